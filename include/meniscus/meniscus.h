@@ -1,0 +1,11 @@
+/* meniscus/meniscus.h: pictures of fluids from particles. Includes the whole library but the file formats (meniscus/io.h). */
+#ifndef MENISCUS_H
+#define MENISCUS_H
+
+#include <meniscus/camera.h>
+#include <meniscus/common.h>
+#include <meniscus/params.h>
+#include <meniscus/particles.h>
+#include <meniscus/renderer.h>
+
+#endif

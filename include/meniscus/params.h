@@ -1,0 +1,151 @@
+/* meniscus/params.h: every parameter of a picture, as a plain struct and as a table.
+ *
+ * The table (mns_param_info) holds name, range, default, unit and help of each; docs/options.md is made from it.
+ * Lengths marked r are multiples of R = radius * radius_scale, lengths marked L multiples of the fluid's own size
+ * L = (rest volume of all particles)^(1/3): a scene that is 100 times larger needs no other values. */
+#ifndef MENISCUS_PARAMS_H
+#define MENISCUS_PARAMS_H
+
+#include <meniscus/common.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+enum mns_filter {
+    MNS_FILTER_NONE = 0,
+    MNS_FILTER_NARROW_RANGE = 1,           /* [TY18] 2-D */
+    MNS_FILTER_NARROW_RANGE_1D = 2,        /* [TY18] rows and columns in turn */
+    MNS_FILTER_NARROW_RANGE_1D_CLEANUP = 3 /* the same, then one 5x5 pass */
+};
+
+enum mns_display {
+    MNS_DISPLAY_BEAUTY = 0,    /* the fluid */
+    MNS_DISPLAY_OPAQUE = 1,    /* a lit opaque surface */
+    MNS_DISPLAY_SPHERES = 2,   /* the splats, unsmoothed, lit */
+    MNS_DISPLAY_NORMAL = 3,    /* view-space normal as 0.5 n + 0.5 */
+    MNS_DISPLAY_DEPTH = 4,     /* near white, far dark, over the picture's own range */
+    MNS_DISPLAY_THICKNESS = 5, /* dark none, bright thick, over the picture's own range */
+    MNS_DISPLAY_CURVATURE = 6  /* [LGS09] fig. 8: green positive, red negative */
+};
+
+enum mns_thickness_mode {
+    MNS_THICKNESS_VOLUME = 0, /* chord * V / (4/3 pi R^3): a block 1 m deep is 1 m thick */
+    MNS_THICKNESS_CHORD = 1   /* [LGS09] eq. 9: the sum of chords, which grows with overlap */
+};
+
+enum mns_fresnel { MNS_FRESNEL_EXACT = 0, MNS_FRESNEL_SCHLICK = 1 };
+
+enum mns_background {
+    MNS_BACKGROUND_SKY = 0,        /* a procedural sky */
+    MNS_BACKGROUND_COLOR = 1,      /* background_color */
+    MNS_BACKGROUND_TRANSPARENT = 2 /* nothing: RGBA with alpha = 1 - mean transmittance */
+};
+
+enum mns_axis { MNS_AXIS_X = 0, MNS_AXIS_Y = 1, MNS_AXIS_Z = 2 };
+
+/* All parameters. Plain values: copy freely. The table tells each one's range, default and meaning at length. */
+struct mns_params {
+    size_t struct_size; /* set by mns_params_init */
+
+    /* Particles. */
+    float radius;           /* metres; 0 (auto): the particles' own, else estimated */
+    float radius_scale;     /* splat radius R over particle radius */
+    float particle_volume;  /* m^3; 0 (auto): mass / rest_density, else estimated spacing^3, else (2 radius)^3 */
+    float rest_density;     /* kg/m^3; 0 (auto): unknown */
+    float fluid_size;       /* L, metres; 0 (auto): from this particle set */
+
+    /* Thickness. */
+    int thickness_mode;     /* enum mns_thickness_mode */
+    int thickness_scale;    /* 1, 2 or 4: pixels per thickness texel; 0 (auto): by the splats' size in pixels */
+    float thickness_blur;   /* r: sigma of the Gaussian that smooths thickness and colour; 0: off */
+
+    /* Smoothing. */
+    int filter;             /* enum mns_filter */
+    int iterations;         /* N: N times rows + columns, or N 2-D passes */
+    float sigma;            /* r: [TY18] eq. 5 */
+    float delta;            /* r: [TY18] eq. 2, 6 */
+    float mu;               /* r: [TY18] eq. 2; at most delta */
+    float kernel_cut;       /* sigmas at which the kernel ends, its weight there subtracted */
+    int bias_correction;    /* 0 or 1: [TY18] eq. 6 */
+    int dynamic_range;      /* 0 or 1: [TY18] eq. 7-9 */
+    float edge_threshold;   /* r: neighbours whose depths differ by more are apart, for normals */
+
+    /* Water. */
+    int display;                  /* enum mns_display */
+    float absorption[3];          /* 1/metre per channel; -1 (auto): absorption_relative / L */
+    float absorption_relative[3]; /* 1/L per channel */
+    float fluid_color[3];         /* linear RGB of light scattered back by deep fluid, times the sky's light */
+    float refraction_index;       /* of the fluid */
+    float refraction_strength;    /* 1: the refracted ray travels the full thickness; 0: straight through */
+    int fresnel;                  /* enum mns_fresnel */
+    float reflection;             /* scales the reflection; 1: physical */
+    float specular;               /* scales the sun's highlight; 1: physical for the sun's size below */
+    float shininess;              /* exponent of the highlight ([LGS09] eq. 13) */
+    float opaque_color[3];        /* linear RGB of the surface in display opaque and spheres */
+
+    /* Scene drawn by us, when the caller gives none. */
+    int background;               /* enum mns_background */
+    float background_color[3];    /* linear RGB */
+    int up_axis;                  /* enum mns_axis */
+    int floor;                    /* 0 or 1 */
+    float floor_height;           /* coordinate along up_axis, metres; -inf (auto): under the lowest particle */
+    float floor_cell;             /* metres per checker cell; 0 (auto): from L */
+    float floor_light[3];         /* linear RGB of the bright cells */
+    float floor_dark[3];          /* linear RGB of the dark cells */
+    int shadow;                   /* 0 or 1: the fluid's own shadow on the floor */
+    float sun_azimuth;            /* degrees about the up axis */
+    float sun_elevation;          /* degrees above the horizon */
+    float sun_intensity;          /* times the default sun */
+    float exposure;               /* EV: the picture times 2^exposure */
+};
+
+/* All defaults. size: sizeof(struct mns_params) as the caller knows it. */
+MNS_API void mns_params_init_sized(struct mns_params *params, size_t size);
+static inline void mns_params_init(struct mns_params *params)
+{
+    mns_params_init_sized(params, sizeof(*params));
+}
+
+enum mns_param_type {
+    MNS_PARAM_FLOAT = 0, /* float[components] */
+    MNS_PARAM_INT = 1,   /* int */
+    MNS_PARAM_BOOL = 2,  /* int, 0 or 1: "off" or "on" */
+    MNS_PARAM_ENUM = 3   /* int: index into choices */
+};
+
+/* One row of the table. All strings are static. */
+struct mns_param {
+    const char *name;           /* the field's name, as in --set NAME=VALUE */
+    const char *group;          /* "particles", "thickness", "smoothing", "water", "scene" */
+    enum mns_param_type type;
+    int components;             /* 1, or 3 for colours */
+    size_t offset;              /* in struct mns_params */
+    double minimum, maximum;    /* inclusive */
+    double defaults[3];
+    int has_auto;               /* 1: the default is `auto`, outside the range, and may be written so */
+    const char *unit;           /* "m", "r", "L", "deg", ...; "" for none */
+    const char *const *choices; /* NULL-ended, for an enum; else NULL */
+    const char *help;           /* one sentence */
+};
+
+/* The rows in the order of the struct. index out of range: NULL. */
+MNS_API size_t mns_param_count(void);
+MNS_API const struct mns_param *mns_param_info(size_t index);
+MNS_API const struct mns_param *mns_param_find(const char *name); /* NULL when there is none */
+
+/* Sets one parameter from text: a number, "auto", "on" or "off", a choice's name, three numbers "R,G,B", or a colour "RRGGBB" in
+ * sRGB. On failure nothing is changed and message (may be NULL) names the allowed values, or the nearest name. */
+MNS_API mns_result mns_params_set(struct mns_params *params, const char *name, const char *value, struct mns_message *message);
+
+/* Writes a parameter's value as mns_params_set reads it. Returns the length that was needed, as snprintf; -1 for an unknown name. */
+MNS_API int mns_params_get(const struct mns_params *params, const char *name, char *text, size_t size);
+
+/* Checks every value against the table. message may be NULL. */
+MNS_API mns_result mns_params_check(const struct mns_params *params, struct mns_message *message);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

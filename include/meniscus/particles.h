@@ -1,0 +1,60 @@
+/* meniscus/particles.h: particles as the caller holds them, and what can be measured on them. */
+#ifndef MENISCUS_PARTICLES_H
+#define MENISCUS_PARTICLES_H
+
+#include <meniscus/common.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* One attribute of the particles in the caller's memory. data NULL: the particles do not have it.
+ * Elements of one particle are adjacent; particles are stride bytes apart. Needs no alignment beyond the type's. */
+struct mns_attr {
+    const void *data;
+    size_t stride;      /* bytes from one particle to the next; 0: packed */
+    enum mns_type type; /* of one element */
+};
+
+/* A set of particles. Borrowed: read during the call, never kept, never written.
+ * Particles whose position is not finite are left out and counted (struct mns_measure). */
+struct mns_particles {
+    size_t struct_size;       /* set by mns_particles_init */
+    size_t count;             /* at most 2^32 - 65 */
+    struct mns_attr position; /* [count][3], metres, world space; float32 or float64. Required unless count is 0 */
+    struct mns_attr radius;   /* [count], metres, > 0 and finite; half the rest spacing. Absent: mns_params.radius */
+    struct mns_attr mass;     /* [count], kg, > 0. With mns_params.rest_density it gives the rest volume */
+    struct mns_attr color;    /* [count][3], linear RGB, 0 to 1. Absent: the fluid has its own colour */
+    struct mns_attr velocity; /* [count][3], m/s. Read by no stage of this version */
+    struct mns_attr density;  /* [count], kg/m^3. Read by no stage of this version */
+    struct mns_attr id;       /* [count], integer. Read by no stage of this version */
+};
+
+/* No particles, no attributes. size: sizeof(struct mns_particles) as the caller knows it. */
+MNS_API void mns_particles_init_sized(struct mns_particles *particles, size_t size);
+static inline void mns_particles_init(struct mns_particles *particles)
+{
+    mns_particles_init_sized(particles, sizeof(*particles));
+}
+
+/* What a set of particles measures. Bounds are those of the centres; all zero when no particle is finite. */
+struct mns_measure {
+    size_t count;                            /* particles with a finite position */
+    size_t dropped;                          /* particles without */
+    double bounds_min[3], bounds_max[3];     /* metres: all finite particles */
+    double inner_min[3], inner_max[3];       /* metres: the 0.1 % and 99.9 % quantiles of each coordinate */
+    double spacing;                          /* metres: estimated rest spacing; 0 when it cannot be told (under 2 distinct particles) */
+    double radius;                           /* metres: the median of the given radii where there are some, else spacing / 2 */
+};
+
+/* Measures a set. The spacing is (4 pi d_k^3 / (3 k))^(1/3) with d_k the distance to the k = 20th neighbour (fewer particles: the
+ * last), the 20th percentile over a fixed sample of the particles: deterministic, and within a few percent on SPH output.
+ * allocator, message: may be NULL. Errors: invalid argument, out of memory. */
+MNS_API mns_result mns_particles_measure(const struct mns_particles *particles, const struct mns_allocator *allocator,
+                                         struct mns_measure *out, struct mns_message *message);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

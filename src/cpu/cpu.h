@@ -1,0 +1,72 @@
+/* cpu.h: the state of the CPU backend: what the stages hand to one another. */
+#ifndef MNS_CPU_CPU_H
+#define MNS_CPU_CPU_H
+
+#include "core/backend.h"
+#include "core/message.h"
+#include "cpu/kernels.h"
+#include "cpu/particles.h"
+#include "cpu/plane.h"
+
+#include <stdatomic.h>
+
+/* Thickness and colour sums at 1 / scale of the picture's size: texel (x, y) covers pixels [x * scale, (x + 1) * scale). */
+struct thickness_image {
+    struct plane thickness; /* metres along the ray */
+    struct plane color[3];  /* sum of thickness * colour; empty unless the particles have colours */
+    int scale;              /* 1, 2 or 4 */
+    bool has_color;
+};
+
+/* What stands behind the fluid. */
+struct scene_image {
+    float *color;           /* [height][stride][4] linear RGB; the fourth is 1 where something opaque or sky is, 0 where transparent */
+    ptrdiff_t stride;       /* pixels */
+    struct plane depth;     /* metres; DEPTH_EMPTY where there is nothing opaque. border 0 */
+    bool has_depth;         /* false: depth is empty everywhere and not filled */
+    size_t capacity;        /* pixels of color */
+    struct shadow *shadow;  /* the fluid's shadow on the floor (shadow.h), kept while set, sun and floor stand still */
+};
+
+struct backend {
+    struct backend_host host;
+    const struct kernels *kernels;
+    enum mns_isa isa;
+
+    struct particle_store particles; /* prepare */
+    unsigned generation;             /* grows with each prepare: keys what is kept per particle set */
+    struct tiles *tiles;             /* bin */
+    struct depth_plane depth_raw;    /* splat */
+    struct depth_plane depth[2];     /* smooth: its two buffers */
+    struct depth_plane *smoothed;    /* smooth: where the result is (depth_raw when the filter is none) */
+    struct thickness_image raw;      /* splat */
+    struct thickness_image blurred;  /* blur */
+    struct scene_image scene;        /* scene */
+    struct backend_stats stats;
+};
+
+/* One function per stage (backend.h); each in the file of its name. */
+mns_result mns_cpu_scene(struct backend *cpu, const struct frame *frame);
+mns_result mns_cpu_bin(struct backend *cpu, const struct frame *frame);
+mns_result mns_cpu_splat(struct backend *cpu, const struct frame *frame);
+mns_result mns_cpu_smooth(struct backend *cpu, const struct frame *frame);
+mns_result mns_cpu_blur(struct backend *cpu, const struct frame *frame);
+mns_result mns_cpu_shade(struct backend *cpu, const struct frame *frame);
+
+/* What a stage holds beyond the planes above, given back when the backend goes. */
+void mns_tiles_destroy(struct backend *cpu);
+void mns_shadow_destroy(struct backend *cpu);
+
+/* Runs job(context, i) for i in [0, jobs) with the host's threads. */
+static inline void cpu_run(struct backend *cpu, void (*job)(void *context, int index), void *context, int jobs)
+{
+    cpu->host.parallel.run(cpu->host.parallel.user, job, context, jobs);
+}
+
+/* Out of memory, said once for all stages. */
+static inline mns_result cpu_out_of_memory(struct backend *cpu)
+{
+    return mns_fail(cpu->host.message, MNS_ERR_OUT_OF_MEMORY, "out of memory");
+}
+
+#endif

@@ -1,0 +1,24 @@
+/* kernels.h: the inner loops, chosen once by instruction set. Each stage's table stands in that stage's header with its contracts
+ * and tolerances; src/cpu/scalar defines them in plain C, src/cpu/simd is the one vector source. */
+#ifndef MNS_CPU_KERNELS_H
+#define MNS_CPU_KERNELS_H
+
+#include <meniscus/renderer.h>
+
+#include "cpu/shade.h"
+#include "cpu/smooth.h"
+#include "cpu/splat.h"
+
+struct kernels {
+    struct splat_kernels splat;
+    struct smooth_kernels smooth;
+    struct shade_kernels shade;
+};
+
+/* The table for an instruction set (not AUTO), or NULL when this build or this processor lacks it. */
+const struct kernels *mns_kernels_get(enum mns_isa isa);
+
+/* The best there is. */
+enum mns_isa mns_isa_best(void);
+
+#endif
