@@ -22,6 +22,8 @@ struct read_context {
     const struct mns_read_params *params; /* never NULL */
     struct mns_message *message;          /* never NULL */
     mns_particle_set *set;                /* being filled */
+    bool file_is_ours;                    /* the file's bytes may stay with the set (mns_set_view) */
+    bool file_stays;                      /* set by mns_set_view */
 };
 
 struct mns_reader {
@@ -32,6 +34,7 @@ struct mns_reader {
     mns_result (*read)(struct read_context *context, struct bytes file);
 };
 
+extern const struct mns_reader *const mns_readers[]; /* NULL-ended; the order of probing (formats.c) */
 extern const struct mns_reader mns_reader_bgeo;
 extern const struct mns_reader mns_reader_vtk;  /* legacy */
 extern const struct mns_reader mns_reader_vtu;  /* XML UnstructuredGrid, .vtu */
@@ -71,6 +74,10 @@ mns_result mns_set_begin(struct read_context *context, size_t count);
  * attribute is dropped with a warning. */
 void *mns_set_add(struct read_context *context, const char *name, enum mns_type type, int components);
 
+/* The same for an attribute that stands in the file's bytes as it is to be used: packed, in the machine's order. It is not copied where the
+ * bytes may stay and are aligned. data: inside the bytes given to read, where count * components elements were checked to be. */
+bool mns_set_view(struct read_context *context, const char *name, enum mns_type type, int components, const uint8_t *data);
+
 /* Reads another file into the same set (pieces of a .pvtu, steps of a .pvd). reference: as written in the file; relative to its folder. */
 mns_result mns_read_referenced(struct read_context *context, const char *reference);
 
@@ -90,9 +97,20 @@ struct cursor {
     size_t at;
 };
 bool mns_take(struct cursor *cursor, size_t size, const uint8_t **out);
+static inline size_t mns_left(const struct cursor *cursor)
+{
+    return cursor->bytes.size - cursor->at;
+}
 bool mns_take_u16be(struct cursor *cursor, uint16_t *out);
 bool mns_take_u32be(struct cursor *cursor, uint32_t *out);
 bool mns_take_line(struct cursor *cursor, struct bytes *line); /* without \n or \r\n */
+
+/* Whether this machine stores the high byte first. */
+static inline bool mns_big_endian(void)
+{
+    const uint16_t probe = 1;
+    return *(const uint8_t *)&probe == 0;
+}
 
 /* Copies count elements of type from in (of the given byte order) to the machine's order. in may be unaligned. */
 void mns_copy_elements(void *out, const uint8_t *in, size_t count, enum mns_type type, bool big_endian);
