@@ -111,13 +111,6 @@ static bool enlarge(struct read_context *context, struct growing *buffer)
     return true;
 }
 
-/* Particles do not shrink to less than a few hundredths: what grows far beyond that is made to fill the memory. */
-static bool is_bomb(const struct read_context *context, size_t in, size_t out)
-{
-    const size_t harmless = (size_t)256 << 20, ratio = 200;
-    return context->params->max_bytes == 0 && out > harmless && out / ratio > in;
-}
-
 /* The first size to try: what the gzip trailer says where that is plausible (it is the size modulo 2^32 of the last member). */
 static size_t first_capacity(struct bytes in)
 {
@@ -148,7 +141,7 @@ mns_result mns_gunzip(struct read_context *context, struct bytes in, uint8_t **o
             break;
         else if (status == Z_MEM_ERROR)
             result = mns_read_fail(context, MNS_ERR_OUT_OF_MEMORY, "out of memory in zlib");
-        else if (status == Z_BUF_ERROR && buffer.size == buffer.capacity && is_bomb(context, in.size, buffer.size))
+        else if (status == Z_BUF_ERROR && buffer.size == buffer.capacity && mns_is_bomb(context, in.size, buffer.size))
             result = mns_read_fail(context, MNS_ERR_BAD_DATA, "unpacks to more than %zu bytes from %zu, which no particles do; "
                                    "set max_bytes if it is meant so", buffer.size, in.size);
         else if (status == Z_BUF_ERROR && buffer.size == buffer.capacity)

@@ -91,6 +91,9 @@ mns_result mns_decompress(struct read_context *context, enum codec codec, struct
 mns_result mns_gunzip(struct read_context *context, struct bytes in, uint8_t **out, size_t *out_size); /* *out: mns_read_free(.., *out, *out_size, 1) */
 mns_result mns_inflate_raw(struct read_context *context, struct bytes in, void *out, size_t out_size); /* zip members */
 
+/* Whether data that unpack so far are made to fill the memory: particles shrink to a tenth, not to a thousandth. Never when max_bytes is set. */
+bool mns_is_bomb(const struct read_context *context, size_t packed, size_t unpacked);
+
 /* A bounded read position. Functions return false at the end of the bytes and leave the cursor where it was. */
 struct cursor {
     struct bytes bytes;
