@@ -10,9 +10,7 @@
 #include "io/set.h"
 
 #include <errno.h>
-#include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #ifdef _WIN32
@@ -31,12 +29,21 @@ static const char *path_of(const struct read_context *context)
     return context->path ? context->path : "(memory)";
 }
 
+/* Messages are one line, whatever a file has for names. */
+static void print_line(char *text, size_t size, const char *format, va_list arguments)
+{
+    vsnprintf(text, size, format, arguments);
+    for (char *p = text; *p; p++)
+        if ((unsigned char)*p < 32 || *p == 127)
+            *p = '?';
+}
+
 mns_result mns_read_fail(struct read_context *context, mns_result code, const char *format, ...)
 {
     char text[sizeof(context->message->text)];
     va_list arguments;
     va_start(arguments, format);
-    vsnprintf(text, sizeof(text), format, arguments);
+    print_line(text, sizeof(text), format, arguments);
     va_end(arguments);
     return mns_fail(context->message, code, "%s: %s", path_of(context), text);
 }
@@ -50,7 +57,7 @@ void mns_read_warn(struct read_context *context, const char *format, ...)
     char text[sizeof(line.text)];
     va_list arguments;
     va_start(arguments, format);
-    vsnprintf(text, sizeof(text), format, arguments);
+    print_line(text, sizeof(text), format, arguments);
     va_end(arguments);
     mns_fail(&line, MNS_OK, "%s: %s", path_of(context), text);
     log->message(log->user, MNS_LOG_WARNING, line.text);
@@ -318,27 +325,52 @@ mns_result mns_read_referenced(struct read_context *context, const char *referen
     return result;
 }
 
-static size_t clear_not_finite_f32(const float *position, size_t count, uint8_t *keep)
+/* Whether a value is NaN or infinite: all bits of its exponent are set. */
+static inline bool is_odd32(uint32_t bits)
 {
-    size_t dropped = 0;
-    for (size_t i = 0; i < count; i++) {
-        const float *p = position + 3 * i;
-        /* 0 * x is 0 for a finite x, NaN otherwise */
-        uint8_t finite = p[0] * 0.0f + p[1] * 0.0f + p[2] * 0.0f == 0.0f;
-        dropped += keep[i] & (finite ^ 1u);
-        keep[i] &= finite;
-    }
-    return dropped;
+    return (bits & 0x7f800000u) == 0x7f800000u;
 }
 
-static size_t clear_not_finite_f64(const double *position, size_t count, uint8_t *keep)
+static inline bool is_odd64(uint64_t bits)
 {
-    size_t dropped = 0;
+    return (bits & 0x7ff0000000000000u) == 0x7ff0000000000000u;
+}
+
+static inline uint32_t bits32(const uint8_t *p)
+{
+    uint32_t bits;
+    memcpy(&bits, p, sizeof(bits));
+    return bits;
+}
+
+static inline uint64_t bits64(const uint8_t *p)
+{
+    uint64_t bits;
+    memcpy(&bits, p, sizeof(bits));
+    return bits;
+}
+
+static bool all_finite(const uint8_t *values, size_t count, enum mns_type type)
+{
+    unsigned odd = 0;
+    if (type == MNS_F32)
+        for (size_t i = 0; i < count; i++)
+            odd |= is_odd32(bits32(values + 4 * i));
+    else
+        for (size_t i = 0; i < count; i++)
+            odd |= is_odd64(bits64(values + 8 * i));
+    return odd == 0;
+}
+
+/* Clears keep[i] where position i is not finite, and counts where that changed something. */
+static size_t clear_not_finite(const uint8_t *position, size_t count, enum mns_type type, uint8_t *keep)
+{
+    size_t dropped = 0, bytes = 3 * mns_type_size(type);
     for (size_t i = 0; i < count; i++) {
-        const double *p = position + 3 * i;
-        uint8_t finite = p[0] * 0.0 + p[1] * 0.0 + p[2] * 0.0 == 0.0;
-        dropped += keep[i] & (finite ^ 1u);
-        keep[i] &= finite;
+        if (!keep[i])
+            continue;
+        keep[i] = all_finite(position + i * bytes, 3, type);
+        dropped += !keep[i];
     }
     return dropped;
 }
@@ -355,22 +387,23 @@ static const struct attribute *find_role(const mns_particle_set *set, enum mns_r
 static mns_result select_particles(struct read_context *context)
 {
     mns_particle_set *set = context->set;
+    const char *where = context->params->where;
     size_t count = set->count;
     const struct attribute *position = find_role(set, MNS_ROLE_POSITION);
+    bool finite = !position || all_finite(position->data, 3 * count, position->is.type);
+    if (finite && !where)
+        return MNS_OK;
     uint8_t *keep = mns_read_alloc(context, count, 1);
     if (!keep)
         return MNS_ERR_OUT_OF_MEMORY;
     memset(keep, 1, count);
-    mns_result result = context->params->where ? mns_where(context, context->params->where, keep) : MNS_OK;
-    if (result == MNS_OK && count > 0) {
-        if (position->is.type == MNS_F32)
-            set->dropped = clear_not_finite_f32((const float *)position->is.data, count, keep);
-        else
-            set->dropped = clear_not_finite_f64((const double *)position->is.data, count, keep);
-        if (set->dropped > 0)
-            mns_read_warn(context, "dropped %zu of %zu particles, whose position is NaN or infinite", set->dropped, count);
+    mns_result result = where ? mns_where(context, where, keep) : MNS_OK;
+    if (result == MNS_OK && !finite)
+        set->dropped = clear_not_finite(position->data, count, position->is.type, keep);
+    if (result == MNS_OK && set->dropped > 0)
+        mns_read_warn(context, "dropped %zu of %zu particles, whose position is NaN or infinite", set->dropped, count);
+    if (result == MNS_OK)
         mns_set_compact(set, keep);
-    }
     mns_read_free(context, keep, count, 1);
     return result;
 }
