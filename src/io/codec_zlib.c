@@ -141,7 +141,7 @@ mns_result mns_gunzip(struct read_context *context, struct bytes in, uint8_t **o
             break;
         else if (status == Z_MEM_ERROR)
             result = mns_read_fail(context, MNS_ERR_OUT_OF_MEMORY, "out of memory in zlib");
-        else if (status == Z_BUF_ERROR && buffer.size == buffer.capacity && mns_is_bomb(context, in.size, buffer.size))
+        else if (status == Z_BUF_ERROR && buffer.size == buffer.capacity && mns_is_bomb(context, in.size, 2 * buffer.capacity))
             result = mns_read_fail(context, MNS_ERR_BAD_DATA, "unpacks to more than %zu bytes from %zu, which no particles do; "
                                    "set max_bytes if it is meant so", buffer.size, in.size);
         else if (status == Z_BUF_ERROR && buffer.size == buffer.capacity)
