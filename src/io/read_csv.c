@@ -392,8 +392,8 @@ static mns_result find_structure(struct table *table, struct bytes file)
     size_t fields = count_fields(first, table->separator, &numbers);
     mns_result result = set_structure(table, second.size ? second : first, first, count_rows(table->rows));
     if (result == MNS_OK && second.size > 0 && table->column_count != fields)
-        return mns_read_fail(table->context, MNS_ERR_BAD_DATA, "line %zu has %zu fields where the first line names %zu", table->first_line + lines - 1,
-                             table->column_count, fields);
+        return mns_read_fail(table->context, MNS_ERR_BAD_DATA, "line %zu has %zu fields where the first line names %zu",
+                             table->first_line + lines - 1, table->column_count, fields);
     return result;
 }
 

@@ -119,8 +119,8 @@ static mns_result open_member(struct read_context *context, struct bytes file, c
         return mns_read_fail(context, MNS_ERR_BAD_DATA, "member '%s' says that it has %llu bytes, in %llu packed ones, which the file does not hold",
                              member->name, (unsigned long long)member->size, (unsigned long long)member->packed);
     if (!stored && mns_is_bomb(context, (size_t)member->packed, (size_t)member->size))
-        return mns_read_fail(context, MNS_ERR_BAD_DATA, "member '%s' unpacks to %llu bytes from %llu, which no particles do; set max_bytes if it is meant so",
-                             member->name, (unsigned long long)member->size, (unsigned long long)member->packed);
+        return mns_read_fail(context, MNS_ERR_BAD_DATA, "member '%s' unpacks to %llu bytes from %llu, which no particles do; "
+                             "set max_bytes if it is meant so", member->name, (unsigned long long)member->size, (unsigned long long)member->packed);
     struct bytes packed = {local + skip, (size_t)member->packed};
     *out = packed;
     if (stored)
@@ -185,6 +185,7 @@ static mns_result read_member(struct read_context *context, struct bytes file, c
     } else if (result == MNS_ERR_UNSUPPORTED && !positions) {
         mns_read_warn(context, "member '%s' is left out: it is no array of numbers with one row per particle", member->name);
         context->message->text[0] = '\0';
+        context->set->fault = MNS_OK;
         result = MNS_OK;
     }
     if (unpacked)

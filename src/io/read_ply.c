@@ -264,11 +264,15 @@ static inline void copy_strided(uint8_t *out, size_t out_stride, const uint8_t *
 static void copy_property(const struct property *property, size_t start, const uint8_t *in, size_t record, size_t count, bool swap)
 {
     uint8_t *out = property->out + start * property->stride;
-    switch (mns_type_size(property->type)) {
-    case 1: copy_strided(out, property->stride, in, record, count, 1, false); break;
-    case 2: swap ? copy_strided(out, property->stride, in, record, count, 2, true) : copy_strided(out, property->stride, in, record, count, 2, false); break;
-    case 4: swap ? copy_strided(out, property->stride, in, record, count, 4, true) : copy_strided(out, property->stride, in, record, count, 4, false); break;
-    default: swap ? copy_strided(out, property->stride, in, record, count, 8, true) : copy_strided(out, property->stride, in, record, count, 8, false); break;
+    size_t stride = property->stride, size = mns_type_size(property->type);
+    switch (swap ? 16 + size : size) { /* constants, so that each copy is compiled for its size */
+    case 2: copy_strided(out, stride, in, record, count, 2, false); break;
+    case 4: copy_strided(out, stride, in, record, count, 4, false); break;
+    case 8: copy_strided(out, stride, in, record, count, 8, false); break;
+    case 18: copy_strided(out, stride, in, record, count, 2, true); break;
+    case 20: copy_strided(out, stride, in, record, count, 4, true); break;
+    case 24: copy_strided(out, stride, in, record, count, 8, true); break;
+    default: copy_strided(out, stride, in, record, count, 1, false); break;
     }
 }
 
@@ -352,8 +356,8 @@ static mns_result add_attributes(struct ply *ply, const struct element *vertex)
         return mns_read_fail(ply->context, MNS_ERR_BAD_DATA, "has no positions: the vertices have no x, y and z");
     enum mns_type type = axes[0]->type;
     if (axes[1]->type != type || axes[2]->type != type || (type != MNS_F32 && type != MNS_F64))
-        return mns_read_fail(ply->context, MNS_ERR_UNSUPPORTED, "has positions of %s, %s, %s; all float or all double are read", mns_type_name(type),
-                             mns_type_name(axes[1]->type), mns_type_name(axes[2]->type));
+        return mns_read_fail(ply->context, MNS_ERR_UNSUPPORTED, "has positions of %s, %s, %s; all float or all double are read",
+                             mns_type_name(type), mns_type_name(axes[1]->type), mns_type_name(axes[2]->type));
     mns_result result = mns_set_begin(ply->context, vertex->count);
     if (result != MNS_OK)
         return result;

@@ -1,4 +1,4 @@
-/* reader.c: from a path or bytes to a finished particle set: loads, unpacks gzip, finds the format, runs its reader, applies roles and `where`. */
+/* reader.c: from a path or bytes to a finished particle set: loads, unpacks gzip, finds the format, runs its reader, applies roles, `where`. */
 #ifndef _WIN32
 #define _POSIX_C_SOURCE 200809L
 #define _FILE_OFFSET_BITS 64
@@ -45,6 +45,7 @@ mns_result mns_read_fail(struct read_context *context, mns_result code, const ch
     va_start(arguments, format);
     print_line(text, sizeof(text), format, arguments);
     va_end(arguments);
+    context->set->fault = code;
     return mns_fail(context->message, code, "%s: %s", path_of(context), text);
 }
 
@@ -247,8 +248,8 @@ static const struct mns_reader *find_reader(struct read_context *context, struct
     if (wanted)
         mns_read_fail(context, MNS_ERR_UNSUPPORTED, "cannot be read as '%s': this build reads %s", wanted, formats);
     else if (named)
-        mns_read_fail(context, MNS_ERR_BAD_DATA, "is no %s file, though its name says so: its first bytes are of no format that this build reads (%s)",
-                      named->name, formats);
+        mns_read_fail(context, MNS_ERR_BAD_DATA, "is no %s file, though its name says so: its first bytes are of no format that this build "
+                      "reads (%s)", named->name, formats);
     else
         mns_read_fail(context, MNS_ERR_BAD_DATA, "is of no format that this build reads (%s)", formats);
     return NULL;
@@ -466,6 +467,8 @@ static mns_result read_set(mns_particle_set **out, const char *path, const struc
         result = read_bytes(&context, file);
     if (result == MNS_OK)
         result = finish(&context);
+    if (result != MNS_OK && set->fault != MNS_OK)
+        result = set->fault; /* a reader that got NULL from mns_set_add cannot know why: the message does */
     if (result != MNS_OK)
         mns_particle_set_destroy(&set);
     *out = set;

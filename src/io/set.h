@@ -32,6 +32,7 @@ struct mns_particle_set {
     struct block *files; /* whose bytes attributes point into */
     size_t file_blocks, file_capacity;
     struct mns_particles particles;
+    mns_result fault; /* of the last mns_read_fail */
 };
 
 /* Gives the set a file's bytes, which came from mns_read_alloc(size, 1). false: out of memory, the bytes stay the caller's. */
