@@ -3,11 +3,7 @@
 
 /* In the order of probing; formats with a signature first, text without one last. */
 const struct mns_reader *const mns_readers[] = {
-    &mns_reader_bgeo, &mns_reader_npy, &mns_reader_npz, &mns_reader_ply, &mns_reader_vtk,
-#ifdef MNS_HAVE_EXPAT
-    &mns_reader_vtu, &mns_reader_vtp, &mns_reader_pvtu, &mns_reader_pvd,
-#endif
-    &mns_reader_csv, NULL,
+    &mns_reader_bgeo, &mns_reader_npy, &mns_reader_npz, &mns_reader_ply, &mns_reader_csv, NULL,
 };
 
 static const char *const missing[] = {
@@ -19,9 +15,6 @@ static const char *const missing[] = {
 #endif
 #ifndef MNS_HAVE_LZMA
     "lzma (liblzma)",
-#endif
-#ifndef MNS_HAVE_EXPAT
-    "vtu, vtp, pvtu, pvd (expat)",
 #endif
 #ifndef MNS_HAVE_PNG
     "png (spng)",

@@ -13,7 +13,7 @@ int mns_processor_count(void);
 struct pool *mns_pool_create(int threads, const struct mns_allocator *allocator);
 void mns_pool_destroy(struct pool *pool); /* NULL is fine */
 
-/* Calls job(context, i) for i in [0, count), each i once, i == count - 1 in the calling thread; returns when all are done. */
+/* Calls job(context, i) for i in [0, count), each i once; returns when all are done. The calling thread takes its part. */
 void mns_pool_run(struct pool *pool, void (*job)(void *context, int index), void *context, int count);
 
 #endif
