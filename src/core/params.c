@@ -1,0 +1,331 @@
+/* params.c: the one table of parameters. Validation, command line, look files and docs/options.md are made from it. */
+#include <meniscus/params.h>
+
+#include "core/message.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char *const filters[] = {"none", "narrow-range", "narrow-range-1d", "narrow-range-1d-cleanup", NULL};
+static const char *const displays[] = {"beauty", "opaque", "spheres", "normal", "depth", "thickness", "curvature", NULL};
+static const char *const thickness_modes[] = {"volume", "chord", NULL};
+static const char *const thickness_scales[] = {"auto", "1", "2", "", "4", NULL}; /* index = value; "" is no choice */
+static const char *const fresnels[] = {"exact", "schlick", NULL};
+static const char *const backgrounds[] = {"sky", "color", "transparent", NULL};
+static const char *const axes[] = {"x", "y", "z", NULL};
+
+#define AT(field) .name = #field, .offset = offsetof(struct mns_params, field)
+#define FLOAT(field, low, high, value) AT(field), .type = MNS_PARAM_FLOAT, .components = 1, .minimum = low, .maximum = high, .defaults = {value}
+#define FLOAT3(field, low, high, a, b, c) \
+    AT(field), .type = MNS_PARAM_FLOAT, .components = 3, .minimum = low, .maximum = high, .defaults = {a, b, c}
+#define INT(field, low, high, value) AT(field), .type = MNS_PARAM_INT, .components = 1, .minimum = low, .maximum = high, .defaults = {value}
+#define BOOL(field, value) AT(field), .type = MNS_PARAM_BOOL, .components = 1, .minimum = 0, .maximum = 1, .defaults = {value}
+#define ENUM(field, list, value) \
+    AT(field), .type = MNS_PARAM_ENUM, .components = 1, .minimum = 0, .maximum = sizeof(list) / sizeof(*list) - 2, .choices = list, .defaults = {value}
+#define AUTO .has_auto = 1
+
+static const struct mns_param table[] = {
+    {FLOAT(radius, 1e-12, 1e12, 0), AUTO, .unit = "m", .group = "particles",
+     .help = "particle radius, half the rest spacing; auto: from the file, else estimated"},
+    {FLOAT(radius_scale, 0.1, 10, 1.2), .unit = "", .group = "particles", .help = "splat radius R over particle radius"},
+    {FLOAT(particle_volume, 1e-36, 1e36, 0), AUTO, .unit = "m^3", .group = "particles",
+     .help = "rest volume of a particle; auto: mass / rest_density, else the estimated spacing cubed, else (2 radius)^3"},
+    {FLOAT(rest_density, 1e-12, 1e12, 0), AUTO, .unit = "kg/m^3", .group = "particles",
+     .help = "density of the fluid at rest, for particles with a mass; auto: unknown"},
+    {FLOAT(fluid_size, 1e-12, 1e15, 0), AUTO, .unit = "m", .group = "particles",
+     .help = "L, the cube root of the fluid's rest volume; auto: of the particles drawn"},
+
+    {ENUM(thickness_mode, thickness_modes, MNS_THICKNESS_VOLUME), .unit = "", .group = "thickness",
+     .help = "volume: a block 1 m deep is 1 m thick; chord: the papers' sum of chords, which grows with overlap"},
+    {AT(thickness_scale), .type = MNS_PARAM_ENUM, .components = 1, .minimum = 0, .maximum = 4, .choices = thickness_scales, .defaults = {0},
+     .unit = "px", .group = "thickness", .help = "pixels per thickness texel; auto: so that the error stays under 1 %"},
+    {FLOAT(thickness_blur, 0, 20, 1.5), .unit = "r", .group = "thickness", .help = "sigma of the Gaussian that smooths thickness and colour; 0: off"},
+
+    {ENUM(filter, filters, MNS_FILTER_NARROW_RANGE_1D_CLEANUP), .unit = "", .group = "smoothing", .help = "how the depth is smoothed"},
+    {INT(iterations, 1, 100, 2), .unit = "", .group = "smoothing", .help = "N times rows and columns, or N passes of a 2-D filter"},
+    {FLOAT(sigma, 0.01, 20, 0.7), .unit = "r", .group = "smoothing", .help = "sigma of the kernel in world space ([TY18] eq. 5)"},
+    {FLOAT(delta, 0.1, 1000, 10), .unit = "r", .group = "smoothing", .help = "depth range that is smoothed together ([TY18] eq. 2 and 6)"},
+    {FLOAT(mu, 0, 1000, 1), .unit = "r", .group = "smoothing",
+     .help = "how far behind a pixel what lies beyond delta counts, which rounds the rim ([TY18] eq. 2); at most delta"},
+    {FLOAT(kernel_cut, 1, 4, 2), .unit = "sigma", .group = "smoothing", .help = "where the kernel ends"},
+    {BOOL(bias_correction, 1), .unit = "", .group = "smoothing", .help = "drop a sample with its mirror ([TY18] eq. 6)"},
+    {BOOL(dynamic_range, 1), .unit = "", .group = "smoothing", .help = "let the range follow a slanted surface ([TY18] eq. 7 to 9)"},
+    {FLOAT(edge_threshold, 0.1, 1000, 10), .unit = "r", .group = "smoothing", .help = "neighbours whose depths differ by more are apart"},
+
+    {ENUM(display, displays, MNS_DISPLAY_BEAUTY), .unit = "", .group = "water", .help = "what the picture shows"},
+    {FLOAT3(absorption, 0, 1e12, -1, -1, -1), AUTO, .unit = "1/m", .group = "water",
+     .help = "absorption per channel; auto: absorption_relative / L"},
+    {FLOAT3(absorption_relative, 0, 1e6, 2.6, 0.75, 0.45), .unit = "1/L", .group = "water", .help = "absorption per channel where absorption is auto"},
+    {FLOAT3(fluid_color, 0, 100, 0.006, 0.055, 0.085), .unit = "", .group = "water",
+     .help = "linear colour that deep fluid scatters back, times the sky's light"},
+    {FLOAT(refraction_index, 1, 4, 1.333), .unit = "", .group = "water", .help = "refractive index of the fluid"},
+    {FLOAT(refraction_strength, 0, 10, 1), .unit = "", .group = "water",
+     .help = "how far along the refracted ray the scene is looked up, in thicknesses; 0: straight through"},
+    {ENUM(fresnel, fresnels, MNS_FRESNEL_EXACT), .unit = "", .group = "water", .help = "how the reflected part is computed"},
+    {FLOAT(reflection, 0, 10, 1), .unit = "", .group = "water", .help = "scales the reflection"},
+    {FLOAT(specular, 0, 100, 1), .unit = "", .group = "water", .help = "scales the sun's highlight"},
+    {FLOAT(shininess, 1, 1e5, 400), .unit = "", .group = "water", .help = "exponent of the sun's highlight ([LGS09] eq. 13)"},
+    {FLOAT3(opaque_color, 0, 1, 0.05, 0.25, 0.6), .unit = "", .group = "water", .help = "linear colour of the surface in display opaque and spheres"},
+
+    {ENUM(background, backgrounds, MNS_BACKGROUND_SKY), .unit = "", .group = "scene", .help = "what stands behind the fluid"},
+    {FLOAT3(background_color, 0, 100, 0.6, 0.66, 0.75), .unit = "", .group = "scene", .help = "linear colour of background color"},
+    {ENUM(up_axis, axes, MNS_AXIS_Y), .unit = "", .group = "scene", .help = "the world axis that points up"},
+    {BOOL(floor, 1), .unit = "", .group = "scene", .help = "draw a floor"},
+    {FLOAT(floor_height, -1e15, 1e15, -INFINITY), AUTO, .unit = "m", .group = "scene",
+     .help = "coordinate of the floor along the up axis; auto: under the lowest particle"},
+    {FLOAT(floor_cell, 1e-12, 1e15, 0), AUTO, .unit = "m", .group = "scene", .help = "size of a cell of the floor's checker; auto: from L"},
+    {FLOAT3(floor_light, 0, 1, 0.62, 0.60, 0.56), .unit = "", .group = "scene", .help = "linear colour of the bright cells"},
+    {FLOAT3(floor_dark, 0, 1, 0.36, 0.36, 0.37), .unit = "", .group = "scene", .help = "linear colour of the dark cells"},
+    {BOOL(shadow, 1), .unit = "", .group = "scene", .help = "the fluid's shadow on the floor"},
+    {FLOAT(sun_azimuth, -360, 360, 145), .unit = "deg", .group = "scene", .help = "where the sun stands about the up axis"},
+    {FLOAT(sun_elevation, 1, 90, 48), .unit = "deg", .group = "scene", .help = "height of the sun above the horizon"},
+    {FLOAT(sun_intensity, 0, 100, 1), .unit = "", .group = "scene", .help = "scales the sun's light"},
+    {FLOAT(exposure, -20, 20, 0), .unit = "EV", .group = "scene", .help = "the picture's light times 2^exposure"},
+};
+
+enum { ROWS = sizeof(table) / sizeof(table[0]) };
+
+size_t mns_param_count(void) { return ROWS; }
+
+const struct mns_param *mns_param_info(size_t index) { return index < ROWS ? &table[index] : NULL; }
+
+const struct mns_param *mns_param_find(const char *name)
+{
+    for (size_t i = 0; i < ROWS; i++) {
+        if (!strcmp(table[i].name, name)) {
+            return &table[i];
+        }
+    }
+    return NULL;
+}
+
+static const float *floats_of(const struct mns_params *params, const struct mns_param *row)
+{
+    return (const float *)(const void *)((const char *)params + row->offset);
+}
+
+static int int_of(const struct mns_params *params, const struct mns_param *row)
+{
+    return *(const int *)(const void *)((const char *)params + row->offset);
+}
+
+static void store(struct mns_params *params, const struct mns_param *row, const double values[3])
+{
+    void *field = (char *)params + row->offset;
+    if (row->type == MNS_PARAM_FLOAT) {
+        for (int i = 0; i < row->components; i++) {
+            ((float *)field)[i] = (float)values[i];
+        }
+    } else {
+        *(int *)field = (int)values[0];
+    }
+}
+
+void mns_params_init_sized(struct mns_params *params, size_t size)
+{
+    struct mns_params defaults;
+    memset(&defaults, 0, sizeof(defaults));
+    for (size_t i = 0; i < ROWS; i++) {
+        store(&defaults, &table[i], table[i].defaults);
+    }
+    memset(params, 0, size);
+    memcpy(params, &defaults, size < sizeof(defaults) ? size : sizeof(defaults));
+    params->struct_size = size;
+}
+
+/* Edits that turn a into b (Levenshtein), for names of up to 63 characters. */
+static int distance(const char *a, const char *b)
+{
+    int row[64];
+    int length = (int)strlen(b);
+    if (length > 63) {
+        return length;
+    }
+    for (int j = 0; j <= length; j++) {
+        row[j] = j;
+    }
+    for (int i = 1; *a; i++, a++) {
+        int diagonal = row[0];
+        row[0] = i;
+        for (int j = 1; j <= length; j++) {
+            int above = row[j], replaced = diagonal + (*a != b[j - 1]);
+            int inserted = (row[j - 1] < above ? row[j - 1] : above) + 1;
+            row[j] = replaced < inserted ? replaced : inserted;
+            diagonal = above;
+        }
+    }
+    return row[length];
+}
+
+static mns_result fail_name(struct mns_message *message, const char *name)
+{
+    const struct mns_param *nearest = NULL;
+    int best = 0;
+    for (size_t i = 0; i < ROWS; i++) {
+        int edits = distance(name, table[i].name);
+        if (!nearest || edits < best) {
+            best = edits;
+            nearest = &table[i];
+        }
+    }
+    return mns_fail(message, MNS_ERR_INVALID_ARGUMENT, "there is no parameter '%s'; did you mean '%s'?", name, nearest->name);
+}
+
+static mns_result fail_choice(struct mns_message *message, const struct mns_param *row, const char *value)
+{
+    char list[256];
+    size_t used = 0;
+    list[0] = '\0';
+    for (int i = 0; row->choices[i]; i++) {
+        if (*row->choices[i] && used < sizeof(list)) {
+            int written = snprintf(list + used, sizeof(list) - used, "%s%s", used ? ", " : "", row->choices[i]);
+            used += written > 0 ? (size_t)written : 0;
+        }
+    }
+    return mns_fail(message, MNS_ERR_INVALID_ARGUMENT, "%s is '%s'; it must be one of %s", row->name, value, list);
+}
+
+static mns_result fail_range(struct mns_message *message, const struct mns_param *row, const char *value)
+{
+    const char *space = *row->unit ? " " : "";
+    return mns_fail(message, MNS_ERR_INVALID_ARGUMENT, "%s is %s; it must be %s%s from %g to %g%s%s%s", row->name, value,
+                    row->components == 3 ? "three numbers R,G,B" : row->type == MNS_PARAM_INT ? "a whole number" : "a number",
+                    row->components == 3 ? " each" : "", row->minimum, row->maximum, space, row->unit, row->has_auto ? ", or auto" : "");
+}
+
+/* sRGB code, 0 to 1, to linear. */
+static double linear_from_srgb(double code) { return code <= 0.04045 ? code / 12.92 : pow((code + 0.055) / 1.055, 2.4); }
+
+static bool parse_hex_color(const char *text, double out[3])
+{
+    if (*text == '#') {
+        text++;
+    }
+    if (strlen(text) != 6 || strspn(text, "0123456789abcdefABCDEF") != 6) {
+        return false;
+    }
+    unsigned long code = strtoul(text, NULL, 16);
+    for (int i = 0; i < 3; i++) {
+        out[i] = linear_from_srgb((double)(code >> (16 - 8 * i) & 255) / 255);
+    }
+    return true;
+}
+
+/* One number for each component, commas between; false: anything else. */
+static bool parse_numbers(const char *text, int count, double out[3])
+{
+    for (int i = 0; i < count; i++) {
+        char *end;
+        out[i] = strtod(text, &end);
+        if (end == text || *end != (i + 1 < count ? ',' : '\0')) {
+            return false;
+        }
+        text = end + 1;
+    }
+    return true;
+}
+
+static bool in_range(const struct mns_param *row, double value) { return value >= row->minimum && value <= row->maximum; }
+
+mns_result mns_params_set(struct mns_params *params, const char *name, const char *value, struct mns_message *message)
+{
+    const struct mns_param *row = mns_param_find(name);
+    if (!row) {
+        return fail_name(message, name);
+    }
+    double values[3] = {0};
+    if (row->has_auto && !strcmp(value, "auto")) {
+        memcpy(values, row->defaults, sizeof(values));
+    } else if (row->type == MNS_PARAM_ENUM) {
+        int choice = 0;
+        while (row->choices[choice] && (!*value || strcmp(row->choices[choice], value))) {
+            choice++;
+        }
+        if (!row->choices[choice]) {
+            return fail_choice(message, row, value);
+        }
+        values[0] = choice;
+    } else if (row->type == MNS_PARAM_BOOL) {
+        bool on = !strcmp(value, "on") || !strcmp(value, "1") || !strcmp(value, "true");
+        if (!on && strcmp(value, "off") && strcmp(value, "0") && strcmp(value, "false")) {
+            return mns_fail(message, MNS_ERR_INVALID_ARGUMENT, "%s is '%s'; it must be on or off", row->name, value);
+        }
+        values[0] = on;
+    } else {
+        if (!(row->components == 3 && parse_hex_color(value, values)) && !parse_numbers(value, row->components, values)) {
+            return fail_range(message, row, *value ? value : "empty");
+        }
+        for (int i = 0; i < row->components; i++) {
+            if (!in_range(row, values[i]) || (row->type == MNS_PARAM_INT && values[i] != floor(values[i]))) {
+                return fail_range(message, row, value);
+            }
+        }
+    }
+    store(params, row, values);
+    return MNS_OK;
+}
+
+/* Whether a value of a row is the table's auto. */
+static bool is_auto(const struct mns_param *row, const float *values)
+{
+    return row->has_auto && values[0] == (float)row->defaults[0];
+}
+
+int mns_params_get(const struct mns_params *params, const char *name, char *text, size_t size)
+{
+    const struct mns_param *row = mns_param_find(name);
+    if (!row) {
+        return -1;
+    }
+    if (row->type == MNS_PARAM_FLOAT) {
+        const float *v = floats_of(params, row);
+        if (is_auto(row, v)) {
+            return snprintf(text, size, "auto");
+        }
+        return row->components == 3 ? snprintf(text, size, "%.9g,%.9g,%.9g", (double)v[0], (double)v[1], (double)v[2])
+                                    : snprintf(text, size, "%.9g", (double)v[0]);
+    }
+    int v = int_of(params, row);
+    if (row->type == MNS_PARAM_BOOL) {
+        return snprintf(text, size, "%s", v ? "on" : "off");
+    }
+    if (row->type == MNS_PARAM_ENUM && v >= 0 && v <= (int)row->maximum) {
+        return snprintf(text, size, "%s", row->choices[v]);
+    }
+    return snprintf(text, size, "%d", v);
+}
+
+mns_result mns_params_check(const struct mns_params *params, struct mns_message *message)
+{
+    for (size_t i = 0; i < ROWS; i++) {
+        const struct mns_param *row = &table[i];
+        char text[96];
+        mns_params_get(params, row->name, text, sizeof(text));
+        if (row->type == MNS_PARAM_FLOAT) {
+            const float *v = floats_of(params, row);
+            for (int k = 0; k < row->components && !is_auto(row, v); k++) {
+                /* the bounds as floats: 0.1 must be allowed where the table says 0.1 */
+                if (!(v[k] >= (float)row->minimum && v[k] <= (float)row->maximum)) {
+                    return fail_range(message, row, text);
+                }
+            }
+        } else {
+            int v = int_of(params, row);
+            bool allowed = v >= (int)row->minimum && v <= (int)row->maximum;
+            if (row->type == MNS_PARAM_ENUM && (!allowed || !*row->choices[v])) {
+                return fail_choice(message, row, text);
+            }
+            if (!allowed) {
+                return fail_range(message, row, text);
+            }
+        }
+    }
+    if (params->mu > params->delta) {
+        return mns_fail(message, MNS_ERR_INVALID_ARGUMENT, "mu is %g and delta %g; mu must be at most delta", (double)params->mu,
+                        (double)params->delta);
+    }
+    return MNS_OK;
+}
