@@ -18,4 +18,9 @@ mns_result mns_npy_parse(struct read_context *context, const char *what, struct 
 /* Adds the array to the piece in hand, as shape[0] particles. stays: its bytes lie in the file given to read. */
 mns_result mns_npy_add(struct read_context *context, const char *name, const struct npy *array, bool stays);
 
+enum { NPY_HEADER_SIZE = 128 };
+
+/* The header of an array of this shape (at most 3 dimensions) in the machine's byte order; its elements follow, the last index fastest. */
+void mns_npy_header(uint8_t out[NPY_HEADER_SIZE], enum mns_type type, int dimensions, const size_t shape[]);
+
 #endif

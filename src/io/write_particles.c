@@ -1,13 +1,14 @@
 /* write_particles.c: particles as numpy arrays: .npy holds the positions, .npz (a zip of stored .npy members) all there is. */
 #include "core/message.h"
 #include "io/atomic_file.h"
+#include "io/npy.h"
 #include "io/reader.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { HEADER_SIZE = 128, LOCAL_SIZE = 30, LOCAL_EXTRA = 20, ENTRY_SIZE = 46, ENTRY_EXTRA = 28, END64_SIZE = 56, LOCATOR_SIZE = 20, END_SIZE = 22,
+enum { LOCAL_SIZE = 30, LOCAL_EXTRA = 20, ENTRY_SIZE = 46, ENTRY_EXTRA = 28, END64_SIZE = 56, LOCATOR_SIZE = 20, END_SIZE = 22,
        BUFFER = 65536, MEMBER_MAX = 7, ALIGNMENT = 64 };
 
 struct member {
@@ -29,22 +30,9 @@ struct writer {
 
 /* ---- .npy ---- */
 
-static void npy_header(uint8_t out[HEADER_SIZE], const struct member *member, size_t count)
+static void npy_header(uint8_t out[NPY_HEADER_SIZE], const struct member *member, size_t count)
 {
-    static const char *const codes[] = {"f4", "f8", "i1", "u1", "i2", "u2", "i4", "u4", "i8", "u8"};
-    char text[HEADER_SIZE - 10 + 1], shape[64];
-    if (member->vector)
-        snprintf(shape, sizeof(shape), "(%zu, %d)", count, member->components);
-    else
-        snprintf(shape, sizeof(shape), "(%zu,)", count);
-    char order = mns_type_size(member->attr.type) == 1 ? '|' : mns_big_endian() ? '>' : '<';
-    int length = snprintf(text, sizeof(text), "{'descr': '%c%s', 'fortran_order': False, 'shape': %s, }", order, codes[member->attr.type], shape);
-    memset(text + length, ' ', sizeof(text) - 1 - (size_t)length);
-    text[sizeof(text) - 2] = '\n';
-    memcpy(out, "\x93NUMPY\1\0", 8);
-    out[8] = HEADER_SIZE - 10;
-    out[9] = 0;
-    memcpy(out + 10, text, HEADER_SIZE - 10);
+    mns_npy_header(out, member->attr.type, member->vector ? 2 : 1, (const size_t[]){count, (size_t)member->components});
 }
 
 /* Takes the packed bytes of an array piece by piece; false: stop. */
@@ -75,9 +63,9 @@ static bool to_file(struct writer *writer, const void *data, size_t size, void *
 
 static bool write_npy(struct writer *writer, const struct member *member)
 {
-    uint8_t header[HEADER_SIZE];
+    uint8_t header[NPY_HEADER_SIZE];
     npy_header(header, member, writer->particles->count);
-    return mns_atomic_write(writer->file, header, HEADER_SIZE) && each_piece(writer, member, to_file, NULL);
+    return mns_atomic_write(writer->file, header, NPY_HEADER_SIZE) && each_piece(writer, member, to_file, NULL);
 }
 
 /* ---- .npz ---- */
@@ -127,13 +115,13 @@ static uint8_t *put_common(uint8_t *p, const struct member *member, size_t name_
 /* The local header, padded by an extra field so that the array's bytes are aligned in the file, and the member. */
 static bool write_member(struct writer *writer, struct member *member)
 {
-    uint8_t header[LOCAL_SIZE + 32 + LOCAL_EXTRA + 4 + ALIGNMENT] = {0}, array[HEADER_SIZE];
+    uint8_t header[LOCAL_SIZE + 32 + LOCAL_EXTRA + 4 + ALIGNMENT] = {0}, array[NPY_HEADER_SIZE];
     size_t name_size = strlen(member->name) + 4, count = writer->particles->count;
     member->offset = mns_atomic_size(writer->file);
-    member->size = HEADER_SIZE + (uint64_t)count * (uint64_t)member->components * mns_type_size(member->attr.type);
+    member->size = NPY_HEADER_SIZE + (uint64_t)count * (uint64_t)member->components * mns_type_size(member->attr.type);
     npy_header(array, member, count);
     uint32_t crc = UINT32_MAX;
-    to_crc(writer, array, HEADER_SIZE, &crc);
+    to_crc(writer, array, NPY_HEADER_SIZE, &crc);
     each_piece(writer, member, to_crc, &crc);
     member->crc = ~crc;
 
