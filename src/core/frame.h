@@ -35,7 +35,7 @@ struct particle_facts {
 struct scene_look {
     float up[3];                   /* unit */
     float sun[3];                  /* unit, towards the sun */
-    float sun_color[3];            /* linear, irradiance-like */
+    float sun_color[3];            /* linear RGB: the light on a white surface that faces the sun, divided by pi */
     float floor_height;            /* along up, relative to the origin */
     float floor_cell;              /* metres */
     float floor_phase[2];          /* origin of the checker so that world coordinates decide it, metres */
@@ -53,12 +53,17 @@ struct frame {
     size_t output_count;
     unsigned wanted;               /* bit 1 << layer for each output */
 
-    float splat_radius;            /* R, metres: of particles without a radius of their own; else of the median */
-    float splat_scale;             /* radius_scale: R_i = splat_scale * radius_i where particles have radii */
-    float volume;                  /* V, m^3: rest volume of a particle of the median radius */
+    float splat_radius;            /* R, metres: the splat radius, and the unit of the filters' lengths; of the median particle */
+    float splat_scale;             /* R_i = splat_scale * radius_i; 0: every particle has splat_radius */
+    float volume;                  /* V, m^3: the rest volume of every particle, unless one of the next two is not 0 */
+    float volume_per_mass;         /* V_i = volume_per_mass * mass_i */
+    float volume_per_cube;         /* V_i = volume_per_cube * radius_i^3 */
     float fluid_size;              /* L, metres */
     float absorption[3];           /* 1/metre */
 };
+
+/* Checks the caller's frame and resolves it against the prepared particles. */
+mns_result mns_frame_resolve(struct frame *out, const struct mns_frame *in, const struct particle_facts *facts, struct mns_message *message);
 
 /* The output of a layer, or NULL. */
 const struct mns_image *mns_frame_output(const struct frame *frame, enum mns_layer layer);

@@ -24,6 +24,7 @@ struct scene_image {
     ptrdiff_t stride;       /* pixels */
     struct plane depth;     /* metres; DEPTH_EMPTY where there is nothing opaque. border 0 */
     bool has_depth;         /* false: depth is empty everywhere and not filled */
+    bool cuts_fluid;        /* whether depth may lie before some fluid: the thickness must be clipped at it */
     size_t capacity;        /* pixels of color */
     struct shadow *shadow;  /* the fluid's shadow on the floor (shadow.h), kept while set, sun and floor stand still */
 };
@@ -55,7 +56,9 @@ mns_result mns_cpu_shade(struct backend *cpu, const struct frame *frame);
 
 /* What a stage holds beyond the planes above, given back when the backend goes. */
 void mns_tiles_destroy(struct backend *cpu);
-void mns_shadow_destroy(struct backend *cpu);
+void mns_scene_destroy(struct backend *cpu); /* the scene image and the shadow */
+void mns_blur_destroy(struct backend *cpu);
+void mns_shade_destroy(struct backend *cpu);
 
 /* Runs job(context, i) for i in [0, jobs) with the host's threads. */
 static inline void cpu_run(struct backend *cpu, void (*job)(void *context, int index), void *context, int jobs)

@@ -5,14 +5,18 @@
 
 #include <meniscus/renderer.h>
 
+#include "cpu/blur.h"
+#include "cpu/scene.h"
 #include "cpu/shade.h"
 #include "cpu/smooth.h"
 #include "cpu/splat.h"
 
 struct kernels {
-    struct splat_kernels splat;
-    struct smooth_kernels smooth;
-    struct shade_kernels shade;
+    const struct splat_kernels *splat;
+    const struct smooth_kernels *smooth;
+    const struct blur_kernels *blur;
+    const struct scene_kernels *scene;
+    const struct shade_kernels *shade;
 };
 
 /* The table for an instruction set (not AUTO), or NULL when this build or this processor lacks it. */

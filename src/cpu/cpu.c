@@ -1,0 +1,74 @@
+/* cpu.c: the CPU backend: what it holds, and its row of functions. */
+#include "cpu/cpu.h"
+
+static mns_result create(struct backend **out, const struct backend_host *host, const struct mns_renderer_params *params)
+{
+    enum mns_isa isa = params->isa == MNS_ISA_AUTO ? mns_isa_best() : params->isa;
+    const struct kernels *kernels = mns_kernels_get(isa);
+    if (!kernels) {
+        const char *name = mns_isa_name(isa);
+        return mns_fail(host->message, MNS_ERR_UNSUPPORTED, "instruction set %s is not in this build or not on this processor",
+                        name ? name : "unknown");
+    }
+    struct backend *cpu = mns_memory_get(host->memory, 1, sizeof(*cpu));
+    if (!cpu) {
+        return mns_fail(host->message, MNS_ERR_OUT_OF_MEMORY, "out of memory");
+    }
+    *cpu = (struct backend){.host = *host, .kernels = kernels, .isa = isa};
+    *out = cpu;
+    return MNS_OK;
+}
+
+static void free_thickness(struct thickness_image *image, struct memory *memory)
+{
+    mns_plane_free(&image->thickness, memory);
+    for (int c = 0; c < 3; c++) {
+        mns_plane_free(&image->color[c], memory);
+    }
+}
+
+static void destroy(struct backend *cpu)
+{
+    struct memory *memory = cpu->host.memory;
+    mns_tiles_destroy(cpu);
+    mns_scene_destroy(cpu);
+    mns_blur_destroy(cpu);
+    mns_shade_destroy(cpu);
+    free_thickness(&cpu->raw, memory);
+    free_thickness(&cpu->blurred, memory);
+    mns_depth_plane_free(&cpu->depth_raw, memory);
+    mns_depth_plane_free(&cpu->depth[0], memory);
+    mns_depth_plane_free(&cpu->depth[1], memory);
+    mns_particle_store_free(&cpu->particles, memory);
+    mns_memory_put(memory, cpu, 1, sizeof(*cpu));
+}
+
+static mns_result prepare(struct backend *cpu, const struct mns_particles *particles, struct mns_measure *measure,
+                          struct particle_facts *facts)
+{
+    cpu->generation++;
+    mns_result result = mns_particle_store_fill(&cpu->particles, cpu->host.memory, &cpu->host.parallel, cpu->host.threads, particles,
+                                                measure, cpu->host.message);
+    *facts = cpu->particles.facts;
+    return result;
+}
+
+static void stats(const struct backend *cpu, struct backend_stats *out)
+{
+    *out = cpu->stats;
+    out->isa = mns_isa_name(cpu->isa);
+}
+
+const struct backend_functions mns_backend_cpu = {
+    .name = "cpu",
+    .create = create,
+    .destroy = destroy,
+    .prepare = prepare,
+    .stages = {[STAGE_SCENE] = mns_cpu_scene,
+               [STAGE_BIN] = mns_cpu_bin,
+               [STAGE_SPLAT] = mns_cpu_splat,
+               [STAGE_SMOOTH] = mns_cpu_smooth,
+               [STAGE_BLUR] = mns_cpu_blur,
+               [STAGE_SHADE] = mns_cpu_shade},
+    .stats = stats,
+};
