@@ -1,6 +1,8 @@
 /* memory.c: the caller's allocator with a running count. */
 #include "core/memory.h"
 
+#include "util/pages.h"
+
 #include <stdlib.h>
 
 enum { ALIGNMENT = 64 }; /* a cache line, and the widest vector */
@@ -8,10 +10,16 @@ enum { ALIGNMENT = 64 }; /* a cache line, and the widest vector */
 static void *allocate_default(void *user, size_t size, size_t alignment)
 {
     (void)user;
+    size_t wanted = mns_pages_alignment(size);
+    alignment = wanted > alignment ? wanted : alignment;
     if (size > SIZE_MAX - alignment) {
         return NULL;
     }
-    return aligned_alloc(alignment, (size + alignment - 1) / alignment * alignment);
+    void *block = aligned_alloc(alignment, (size + alignment - 1) / alignment * alignment);
+    if (block) {
+        mns_pages_advise(block, size);
+    }
+    return block;
 }
 
 static void release_default(void *user, void *block, size_t size)

@@ -372,10 +372,12 @@ static void fill_facts(struct particle_store *store, const struct mns_measure *m
     facts->has_radius = store->radius != NULL;
     facts->has_mass = store->mass != NULL;
     facts->has_color = store->color[0] != NULL;
-    for (size_t i = 0; i < store->count; i++) {
-        double r = store->radius ? (double)store->radius[i] : 0;
+    for (size_t i = 0; store->radius && i < store->count; i++) {
+        double r = (double)store->radius[i];
         facts->radius_cubed_sum += r * r * r;
-        facts->mass_sum += store->mass ? (double)store->mass[i] : 0;
+    }
+    for (size_t i = 0; store->mass && i < store->count; i++) {
+        facts->mass_sum += (double)store->mass[i];
     }
 }
 
