@@ -1,0 +1,155 @@
+/* narrow_range.c: the narrow-range filter: whole (2-D), or along rows and columns in turn, with or without a last 5x5 pass.
+ *
+ * Based on: [TY18] Truong, Yuksel, "A Narrow-Range Filter for Screen-Space Fluid Rendering", 2018. The kernels do the arithmetic
+ * (cpu/smooth.h); here lengths become pixels and blocks find their kernel. */
+#include "cpu/smooth/filter.h"
+
+#include <math.h>
+#include <string.h>
+
+/* The kernel of the 5x5 pass ends where the first pixel outside it stands, so that it is the widest one of that size. */
+static const float SQUARE_END = 3; /* pixels */
+
+static struct narrow_range resolve(const struct frame *frame)
+{
+    const struct mns_params *params = &frame->params;
+    const struct view *view = &frame->view;
+    float radius = frame->splat_radius, cut = params->kernel_cut;
+    struct narrow_range filter = {
+        .delta = params->delta * radius,
+        .mu = params->mu * radius,
+        .grow = params->dynamic_range ? params->delta * radius : -RANGE_FIXED,
+        .cut = cut,
+        .weight_cut = expf(-0.5f * cut * cut),
+        .sigma_max = (float)(PLANE_BORDER - 1) / cut,
+        .bias_correction = params->bias_correction != 0,
+    };
+    const float focal[2] = {[AXIS_X] = view->fx, [AXIS_Y] = view->fy};
+    for (int axis = 0; axis < 2; axis++) {
+        float inverse = 1.0f / (params->sigma * radius * fabsf(focal[axis])); /* eq. 5 */
+        filter.inverse[axis].slope = view->orthographic ? 0 : inverse;
+        filter.inverse[axis].offset = view->orthographic ? inverse : 0;
+    }
+    float sigma = SQUARE_END / cut;
+    for (int y = 0; y < 3; y++) {
+        for (int x = 0; x < 3; x++) {
+            filter.square[y][x] = fmaxf(expf(-0.5f * (float)(x * x + y * y) / (sigma * sigma)) - filter.weight_cut, 0);
+        }
+    }
+    return filter;
+}
+
+enum shape { SHAPE_LINE_X, SHAPE_LINE_Y, SHAPE_DISC, SHAPE_SQUARE };
+
+struct pass {
+    struct narrow_range filter;
+    const struct depth_plane *in;
+    struct depth_plane *out;
+    narrow_range_function *kernel, *plain;
+    enum shape shape;
+};
+
+/* Pixels that taps of a block may be away from it. */
+struct reach {
+    int x, y;
+};
+
+static struct reach block_reach(const struct pass *pass, float nearest)
+{
+    if (pass->shape == SHAPE_SQUARE) {
+        return (struct reach){2, 2};
+    }
+    int x = narrow_range_reach(&pass->filter, AXIS_X, nearest), y = narrow_range_reach(&pass->filter, AXIS_Y, nearest);
+    int ring = x > y ? x : y;
+    return pass->shape == SHAPE_LINE_X ? (struct reach){x, 0} : pass->shape == SHAPE_LINE_Y ? (struct reach){0, y} : (struct reach){ring, ring};
+}
+
+/* Whether all taps of block (bx, by) are inside the picture and in range of each other. */
+static bool is_plain(const struct pass *pass, int bx, int by)
+{
+    const struct depth_plane *in = pass->in;
+    struct depth_range range = in->ranges[by * in->blocks_x + bx];
+    if (range.max - range.min > pass->filter.delta) {
+        return false;
+    }
+    struct reach reach = block_reach(pass, range.min);
+    int left = bx * BLOCK_WIDTH - reach.x, right = bx * BLOCK_WIDTH + BLOCK_WIDTH - 1 + reach.x;
+    int top = by * BLOCK_HEIGHT - reach.y, bottom = by * BLOCK_HEIGHT + BLOCK_HEIGHT - 1 + reach.y;
+    if (left < 0 || right >= in->plane.width || top < 0 || bottom >= in->plane.height) {
+        return false;
+    }
+    for (int y = top / BLOCK_HEIGHT; y <= bottom / BLOCK_HEIGHT; y++) {
+        for (int x = left / BLOCK_WIDTH; x <= right / BLOCK_WIDTH; x++) {
+            const struct depth_range *other = &in->ranges[y * in->blocks_x + x];
+            range.min = fminf(range.min, other->min);
+            range.max = fmaxf(range.max, other->max);
+        }
+        if (range.max - range.min > pass->filter.delta) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static void copy_block(const float *in, float *out, ptrdiff_t stride)
+{
+    for (int y = 0; y < BLOCK_HEIGHT; y++) {
+        memcpy(out + y * stride, in + y * stride, BLOCK_WIDTH * sizeof(float));
+    }
+}
+
+/* A job: one row of blocks. */
+static void run_blocks(void *context, int by)
+{
+    const struct pass *pass = context;
+    ptrdiff_t stride = pass->in->plane.stride;
+    int axis = pass->shape == SHAPE_LINE_Y ? AXIS_Y : AXIS_X;
+    for (int bx = 0; bx < pass->in->blocks_x; bx++) {
+        int index = by * pass->in->blocks_x + bx;
+        ptrdiff_t at = by * BLOCK_HEIGHT * stride + bx * BLOCK_WIDTH;
+        const float *in = pass->in->plane.data + at;
+        float *out = pass->out->plane.data + at;
+        if (pass->in->ranges[index].min >= DEPTH_LIMIT) {
+            copy_block(in, out, stride);
+            pass->out->ranges[index] = pass->in->ranges[index];
+        } else {
+            narrow_range_function *kernel = is_plain(pass, bx, by) ? pass->plain : pass->kernel;
+            pass->out->ranges[index] = kernel(&pass->filter, in, out, stride, axis);
+        }
+    }
+}
+
+/* From cpu->smoothed to the other plane, which then is cpu->smoothed. */
+static void run_pass(struct backend *cpu, struct pass *pass, enum shape shape)
+{
+    const struct smooth_kernels *kernels = cpu->kernels->smooth;
+    pass->shape = shape;
+    pass->kernel = shape == SHAPE_DISC ? kernels->disc : shape == SHAPE_SQUARE ? kernels->square : kernels->line;
+    pass->plain = shape == SHAPE_DISC ? kernels->disc_plain : shape == SHAPE_SQUARE ? kernels->square_plain : kernels->line_plain;
+    pass->in = cpu->smoothed;
+    pass->out = cpu->smoothed == &cpu->depth[0] ? &cpu->depth[1] : &cpu->depth[0];
+    cpu_run(cpu, run_blocks, pass, pass->in->blocks_y);
+    cpu->smoothed = pass->out;
+}
+
+mns_result mns_smooth_narrow_range(struct backend *cpu, const struct frame *frame)
+{
+    for (int i = 0; i < 2; i++) {
+        if (!mns_depth_plane_resize(&cpu->depth[i], cpu->host.memory, frame->view.width, frame->view.height)) {
+            return cpu_out_of_memory(cpu);
+        }
+    }
+    struct pass pass = {.filter = resolve(frame)};
+    for (int i = 0; i < frame->params.iterations; i++) {
+        if (frame->params.filter == MNS_FILTER_NARROW_RANGE) {
+            run_pass(cpu, &pass, SHAPE_DISC);
+        } else {
+            run_pass(cpu, &pass, SHAPE_LINE_X);
+            run_pass(cpu, &pass, SHAPE_LINE_Y);
+        }
+    }
+    if (frame->params.filter == MNS_FILTER_NARROW_RANGE_1D_CLEANUP) {
+        run_pass(cpu, &pass, SHAPE_SQUARE);
+    }
+    return MNS_OK;
+}

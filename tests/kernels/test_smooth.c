@@ -1,0 +1,182 @@
+/* The kernels of stage smooth: every instruction set against plain C, on random depths and on the worst ones. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "cpu/kernels.h"
+#include "cpu/plane.h"
+
+#include <math.h>
+
+enum { WIDTH = 32, HEIGHT = 16 };
+
+static uint32_t random_state = 1;
+
+static float uniform(void) /* in [0, 1) */
+{
+    random_state = random_state * 1664525u + 1013904223u;
+    return (float)(random_state >> 8) / 16777216.0f;
+}
+
+/* Depths of a case: kind 0 noise within delta; 1 noise, steps and holes; 2 much nearer than delta; 3 a steep plane; 4 nearly all empty;
+ * 5 the ends of what is fluid. */
+static float depth_of(int kind, int y, float delta)
+{
+    float noise = delta * uniform(), choice = uniform();
+    switch (kind) {
+    case 0: return 3 + noise;
+    case 1: return choice < 0.1f ? DEPTH_EMPTY : choice < 0.2f ? 3 + noise - 3 * delta : 3 + noise;
+    case 2: return 0.01f * delta + noise;
+    case 3: return 2 + 0.3f * delta * (float)y + 0.3f * noise;
+    case 4: return choice < 0.98f ? DEPTH_EMPTY : 3 + noise;
+    default: return choice < 0.3f ? 1e-4f * delta : choice < 0.6f ? 1e36f : DEPTH_EMPTY;
+    }
+}
+
+/* sigma: pixels at a depth of 3. */
+static struct narrow_range filter_of(float delta, float sigma, bool orthographic, int mode)
+{
+    float cut = mode & 4 ? 3 : 2, inverse = orthographic ? 1 / sigma : 1 / (3 * sigma);
+    struct narrow_range filter = {.delta = delta,
+                                  .mu = mode & 8 ? 0 : 0.1f * delta,
+                                  .grow = mode & 1 ? delta : -RANGE_FIXED,
+                                  .cut = cut,
+                                  .weight_cut = expf(-0.5f * cut * cut),
+                                  .sigma_max = (float)(PLANE_BORDER - 1) / cut,
+                                  .bias_correction = (mode & 2) != 0};
+    for (int axis = 0; axis < 2; axis++) { /* pixels that are no squares */
+        filter.inverse[axis].slope = orthographic ? 0 : inverse * (axis ? 1.1f : 1);
+        filter.inverse[axis].offset = orthographic ? inverse * (axis ? 1.1f : 1) : 0;
+    }
+    for (int i = 0; i < 9; i++) {
+        filter.square[i / 3][i % 3] = expf(-0.25f * (float)(i / 3 * (i / 3) + i % 3 * (i % 3))) - 0.1f;
+    }
+    return filter;
+}
+
+struct planes {
+    struct depth_plane in, expected, got;
+    struct memory memory;
+};
+
+static int setup(void **state)
+{
+    static struct planes planes;
+    mns_memory_init(&planes.memory, NULL);
+    *state = &planes;
+    return !(mns_depth_plane_resize(&planes.in, &planes.memory, WIDTH, HEIGHT) &&
+             mns_depth_plane_resize(&planes.expected, &planes.memory, WIDTH, HEIGHT) &&
+             mns_depth_plane_resize(&planes.got, &planes.memory, WIDTH, HEIGHT));
+}
+
+static int teardown(void **state)
+{
+    struct planes *planes = *state;
+    mns_depth_plane_free(&planes->in, &planes->memory);
+    mns_depth_plane_free(&planes->expected, &planes->memory);
+    mns_depth_plane_free(&planes->got, &planes->memory);
+    return planes->memory.bytes != 0;
+}
+
+static void fill(struct planes *planes, int kind, float delta)
+{
+    for (int y = 0; y < HEIGHT; y++) {
+        for (int x = 0; x < WIDTH; x++) {
+            planes->in.plane.data[y * planes->in.plane.stride + x] = depth_of(kind, y, delta);
+        }
+    }
+}
+
+/* Runs both on all blocks; returns how many pixels are out of tolerance (smooth.h). */
+static int compare(struct planes *planes, narrow_range_function *expected, narrow_range_function *got, const struct narrow_range *filter, int axis)
+{
+    int apart = 0;
+    ptrdiff_t stride = planes->in.plane.stride;
+    for (int by = 0; by < HEIGHT / BLOCK_HEIGHT; by++) {
+        for (int bx = 0; bx < WIDTH / BLOCK_WIDTH; bx++) {
+            ptrdiff_t at = by * BLOCK_HEIGHT * stride + bx * BLOCK_WIDTH;
+            const float *in = planes->in.plane.data + at;
+            float *a = planes->expected.plane.data + at, *b = planes->got.plane.data + at;
+            struct depth_range range_a = expected(filter, in, a, stride, axis), range_b = got(filter, in, b, stride, axis);
+            struct depth_range range = {DEPTH_EMPTY, 0};
+            for (int i = 0; i < BLOCK_WIDTH * BLOCK_HEIGHT; i++) {
+                ptrdiff_t p = i / BLOCK_WIDTH * stride + i % BLOCK_WIDTH;
+                bool fluid = in[p] < DEPTH_LIMIT;
+                assert_true(fluid || (a[p] == in[p] && b[p] == in[p]));
+                apart += !(fabsf(a[p] - b[p]) <= 4e-7f * a[p] + 1e-4f * filter->delta);
+                range.min = fminf(range.min, b[p]);
+                range.max = fmaxf(range.max, b[p]);
+            }
+            assert_true(range.min == range_b.min && range.max == range_b.max);
+            assert_true((range_a.max >= DEPTH_LIMIT) == (range_b.max >= DEPTH_LIMIT));
+        }
+    }
+    return apart;
+}
+
+static void compare_all(struct planes *planes, const struct smooth_kernels *a, const struct smooth_kernels *b, const struct narrow_range *filter,
+                        bool plain)
+{
+    /* samples within rounding of a bound: less than one in 10000 pixels */
+    int allowed = WIDTH * HEIGHT / 10000 + 1;
+    assert_true(compare(planes, a->line, b->line, filter, AXIS_X) <= allowed);
+    assert_true(compare(planes, a->line, b->line, filter, AXIS_Y) <= allowed);
+    assert_true(compare(planes, a->disc, b->disc, filter, AXIS_X) <= allowed);
+    assert_true(compare(planes, a->square, b->square, filter, AXIS_X) <= allowed);
+    if (plain) {
+        assert_int_equal(compare(planes, a->line_plain, b->line_plain, filter, AXIS_X), 0);
+        assert_int_equal(compare(planes, a->line_plain, b->line_plain, filter, AXIS_Y), 0);
+        assert_int_equal(compare(planes, a->disc_plain, b->disc_plain, filter, AXIS_X), 0);
+        assert_int_equal(compare(planes, a->square_plain, b->square_plain, filter, AXIS_X), 0);
+    }
+}
+
+static void test_every_instruction_set_is_plain_c(void **state)
+{
+    const struct smooth_kernels *scalar = mns_kernels_get(MNS_ISA_SCALAR)->smooth;
+    static const float sigmas[] = {0.2f, 0.9f, 3.7f, 12.0f, 500.0f};
+    for (int isa = MNS_ISA_SSE2; isa <= MNS_ISA_NEON; isa++) {
+        const struct kernels *kernels = mns_kernels_get((enum mns_isa)isa);
+        for (int i = 0; kernels && i < 48; i++) {
+            float delta = i % 3 ? 0.1f : 0.7f;
+            int kind = i % 6; /* with another sigma and mode each time */
+            fill(*state, kind, delta);
+            struct narrow_range filter = filter_of(delta, sigmas[i % 5], i & 16, i % 16);
+            compare_all(*state, scalar, kernels->smooth, &filter, false);
+        }
+    }
+}
+
+/* Blocks in the middle of noise within delta: no tap is out of range, and the plain kernels must do what the others do. The border is
+ * made fluid for this. */
+static void test_plain_kernels_are_the_others_where_they_apply(void **state)
+{
+    struct planes *planes = *state;
+    for (size_t i = 0; i < planes->in.plane.floats; i++) {
+        planes->in.plane.block[i] = 3 + 0.1f * uniform();
+    }
+    for (int isa = MNS_ISA_SCALAR; isa <= MNS_ISA_NEON; isa++) {
+        const struct kernels *kernels = mns_kernels_get((enum mns_isa)isa);
+        for (int i = 0; kernels && i < 8; i++) {
+            struct narrow_range filter = filter_of(0.1f, i & 4 ? 25.0f : 4.3f, i & 2, 1 | (i & 1) << 1 | (i & 4));
+            const struct smooth_kernels *smooth = kernels->smooth;
+            assert_int_equal(compare(planes, smooth->line, smooth->line_plain, &filter, AXIS_X), 0);
+            assert_int_equal(compare(planes, smooth->line, smooth->line_plain, &filter, AXIS_Y), 0);
+            assert_int_equal(compare(planes, smooth->disc, smooth->disc_plain, &filter, AXIS_X), 0);
+            assert_int_equal(compare(planes, smooth->square, smooth->square_plain, &filter, AXIS_X), 0);
+            compare_all(planes, mns_kernels_get(MNS_ISA_SCALAR)->smooth, smooth, &filter, true);
+        }
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(test_every_instruction_set_is_plain_c, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_plain_kernels_are_the_others_where_they_apply, setup, teardown),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
