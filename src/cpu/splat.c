@@ -1,9 +1,343 @@
-/* splat.c: stage splat. */
+/* splat.c: stage splat: spheres to depth_raw, thickness_raw and colour sums, tile by tile.
+ * In: the particle store, backend->tiles, the scene's depth. Out: backend->depth_raw with its ranges, backend->raw.
+ * Based on: van der Laan, Green and Sainz 2009, sections 3.1 and 3.3 ([LGS09]); spheres are exact instead of point sprites.
+ *
+ * A tile takes its chunks twice: in the order of the store for thickness, so that each sum has one order of terms, and front to back for
+ * depth, where a hierarchical depth tells what can still show. */
 #include "cpu/cpu.h"
+#include "cpu/splat_cut.h"
+#include "cpu/tiles.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { DEPTH_BUCKETS = 256 };
+
+struct splat {
+    struct backend *cpu;
+    atomic_size_t next; /* tile to draw */
+};
+
+static int least(int a, int b) { return a < b ? a : b; }
+
+static struct splat_grid grid_of(const struct splat_view *view, int x, int y, int scale)
+{
+    float per = 1.0f / (float)scale;
+    int columns = (view->width - x + scale - 1) / scale, rows = (view->height - y + scale - 1) / scale;
+    return (struct splat_grid){.fx = view->fx * per,
+                               .fy = view->fy * per,
+                               .cx = (view->cx - (float)x) * per,
+                               .cy = (view->cy - (float)y) * per,
+                               .columns = least(columns, TILE_SIZE / scale),
+                               .rows = least(rows, TILE_SIZE / scale)};
+}
+
+/* The least |v|^2 over pixels [first, first + count) of one axis, without the 1. */
+static float least_square(int first, int count, float center, float focal)
+{
+    float low = (float)first + 0.5f - center, high = low + (float)(count - 1);
+    float off = low > 0 ? low : high < 0 ? -high : 0;
+    return off / focal * (off / focal);
+}
+
+/* Blocks that hold the largest sprite of the tile, so that it touches at most two each way. */
+static void choose_blocks(const struct tiles *tiles, struct splat_tile *tile, const uint32_t *entries, size_t count)
+{
+    float largest = 0;
+    for (size_t i = 0; i < count; i++) {
+        float sprite = tiles->chunks[entries[i]].sprite;
+        largest = sprite > largest && sprite < DEPTH_LIMIT ? sprite : largest;
+    }
+    tile->shift_x = BLOCK_SHIFT_X;
+    tile->shift_y = BLOCK_SHIFT_Y;
+    while (1 << tile->shift_x < TILE_SIZE && 2 * largest + 1 > (float)(1 << tile->shift_x)) {
+        tile->shift_x++;
+    }
+    while (1 << tile->shift_y < TILE_SIZE && 2 * largest + 1 > (float)(1 << tile->shift_y)) {
+        tile->shift_y++;
+    }
+}
+
+static void clear_depth(const struct splat_view *view, struct splat_tile *tile)
+{
+    for (int y = 0; y < TILE_SIZE; y++) {
+        float *row = tile->nearest + y * TILE_STRIDE;
+        for (int x = 0; x < TILE_STRIDE; x++) {
+            row[x] = y < tile->pixels.rows && x < tile->pixels.columns ? DEPTH_EMPTY : 0;
+        }
+    }
+    int columns = TILE_SIZE >> tile->shift_x, rows = TILE_SIZE >> tile->shift_y;
+    for (int by = 0; by < rows; by++) {
+        for (int bx = 0; bx < columns; bx++) {
+            int x = bx << tile->shift_x, y = by << tile->shift_y, block = by * columns + bx;
+            float square = 1;
+            if (!view->orthographic) {
+                square += least_square(x, 1 << tile->shift_x, tile->pixels.cx, tile->pixels.fx) +
+                          least_square(y, 1 << tile->shift_y, tile->pixels.cy, tile->pixels.fy);
+            }
+            tile->farthest[block] = x < tile->pixels.columns && y < tile->pixels.rows ? DEPTH_EMPTY : 0;
+            tile->per_nearest[block] = 1 / square;
+        }
+    }
+}
+
+static void clear_thickness(const struct splat_view *view, struct splat_tile *tile)
+{
+    int rows = TILE_SIZE / view->scale;
+    for (int k = 0; k < (view->has_color ? SUM_COUNT : 1); k++) {
+        for (int y = 0; y < rows; y++) {
+            memset(tile->sums[k] + y * TILE_STRIDE, 0, (size_t)(rows + 16) * sizeof(float)); /* and what a vector may touch */
+        }
+        for (int y = 0; y <= rows && view->scale > 1; y++) {
+            memset(tile->cells[k] + y * CELL_STRIDE, 0, 4 * (size_t)(rows + 1) * sizeof(float));
+        }
+    }
+    tile->deposited = false;
+}
+
+/* Whether the eye is close, or a plane cuts it. */
+static bool is_cut(const struct splat_view *view, const struct tile_chunk *chunk)
+{
+    return chunk->sprite > DEPTH_LIMIT || chunk->near_depth < view->near_plane || chunk->far_depth > view->far_plane;
+}
+
+static void draw_thickness(struct backend *cpu, struct splat_tile *tile, const uint32_t *entries, size_t count)
+{
+    const struct tiles *tiles = cpu->tiles;
+    const struct plane *scene = cpu->scene.has_depth && cpu->scene.cuts_fluid ? &cpu->scene.depth : NULL;
+    float end = DEPTH_EMPTY; /* nearest of the scene in the tile */
+    for (int y = 0; scene && y < tile->pixels.rows; y++) {
+        const float *row = scene->data + (tile->y + y) * scene->stride + tile->x;
+        for (int x = 0; x < tile->pixels.columns; x++) {
+            end = row[x] < end ? row[x] : end;
+        }
+    }
+    clear_thickness(&tiles->view, tile);
+    for (size_t i = 0; i < count; i++) {
+        const struct tile_chunk *chunk = &tiles->chunks[entries[i]];
+        if (chunk->far_depth > end || is_cut(&tiles->view, chunk)) {
+            mns_cut_thickness(&tiles->view, tile, entries[i], chunk->far_depth > end ? scene : NULL);
+        } else {
+            cpu->kernels->splat->thickness(&tiles->view, tile, entries[i]);
+        }
+    }
+}
+
+/* Front to back, by the bucket of the near depth; within a bucket in the order of the store. Returns a bucket's depth. */
+static float sort_chunks(const struct tiles *tiles, const uint32_t *entries, size_t count, struct tile_order *out)
+{
+    float low = DEPTH_EMPTY, high = -DEPTH_EMPTY;
+    for (size_t i = 0; i < count; i++) {
+        float near_depth = tiles->chunks[entries[i]].near_depth;
+        low = fminf(low, near_depth);
+        high = fmaxf(high, near_depth);
+    }
+    size_t places[DEPTH_BUCKETS + 1] = {0};
+    float scale = high > low ? (float)(DEPTH_BUCKETS - 1) / (high - low) : 0;
+    for (size_t i = 0; i < count; i++) {
+        places[(int)((tiles->chunks[entries[i]].near_depth - low) * scale) + 1]++;
+    }
+    for (int i = 0; i < DEPTH_BUCKETS; i++) {
+        places[i + 1] += places[i];
+    }
+    for (size_t i = 0; i < count; i++) {
+        float near_depth = tiles->chunks[entries[i]].near_depth;
+        out[places[(int)((near_depth - low) * scale)]++] = (struct tile_order){.near_depth = near_depth, .chunk = entries[i]};
+    }
+    return 1.01f * (high - low) / (float)(DEPTH_BUCKETS - 1);
+}
+
+/* Nothing of the chunk at this depth or beyond can show in the tile. */
+static float hidden_from(const struct splat_tile *tile, const struct tile_chunk *chunk)
+{
+    int columns = TILE_SIZE >> tile->shift_x;
+    int x0 = chunk->x_min - tile->x, x1 = chunk->x_max - tile->x, y0 = chunk->y_min - tile->y, y1 = chunk->y_max - tile->y;
+    x0 = x0 > 0 ? x0 >> tile->shift_x : 0;
+    y0 = y0 > 0 ? y0 >> tile->shift_y : 0;
+    x1 = least(x1, TILE_SIZE - 1) >> tile->shift_x;
+    y1 = least(y1, TILE_SIZE - 1) >> tile->shift_y;
+    float farthest = 0;
+    for (int y = y0; y <= y1; y++) {
+        for (int x = x0; x <= x1; x++) {
+            float here = tile->farthest[y * columns + x];
+            farthest = here > farthest ? here : farthest;
+        }
+    }
+    return farthest;
+}
+
+static float tile_farthest(const struct splat_tile *tile)
+{
+    float farthest = 0;
+    for (int i = 0; i < TILE_SIZE * TILE_SIZE >> (tile->shift_x + tile->shift_y); i++) {
+        farthest = tile->farthest[i] > farthest ? tile->farthest[i] : farthest;
+    }
+    return farthest;
+}
+
+static void draw_depth(struct backend *cpu, struct tile_scratch *scratch, const uint32_t *entries, size_t count)
+{
+    enum { END_TEST = 8 }; /* chunks drawn between looks at the whole tile */
+    const struct tiles *tiles = cpu->tiles;
+    const struct splat_view *view = &tiles->view;
+    struct splat_tile *tile = &scratch->tile;
+    choose_blocks(tiles, tile, entries, count);
+    clear_depth(view, tile);
+    float bucket = sort_chunks(tiles, entries, count, scratch->order), end = DEPTH_EMPTY;
+    for (size_t i = 0, drawn = 0; i < count && scratch->order[i].near_depth - bucket < end; i++) {
+        uint32_t id = scratch->order[i].chunk;
+        const struct tile_chunk *chunk = &tiles->chunks[id];
+        float limit = hidden_from(tile, chunk);
+        if (fmaxf(chunk->near_depth, view->near_plane - view->slack) >= limit) {
+            continue;
+        }
+        if (is_cut(view, chunk)) {
+            scratch->particles_splatted += mns_cut_depth(view, tile, id);
+        } else {
+            scratch->particles_splatted += cpu->kernels->splat->depth(view, tile, id, limit);
+        }
+        if (++drawn % END_TEST == 0) {
+            end = tile_farthest(tile);
+        }
+    }
+}
+
+static void write_empty(struct backend *cpu, const struct splat_tile *tile)
+{
+    for (int y = 0; y < tile->pixels.rows; y++) {
+        float *row = cpu->depth_raw.plane.data + (tile->y + y) * cpu->depth_raw.plane.stride + tile->x;
+        for (int x = 0; x < tile->pixels.columns; x++) {
+            row[x] = DEPTH_EMPTY;
+        }
+    }
+    for (int y = 0; y < tile->pixels.rows; y += BLOCK_HEIGHT) {
+        for (int x = 0; x < tile->pixels.columns; x += BLOCK_WIDTH) {
+            cpu->depth_raw.ranges[(tile->y + y) / BLOCK_HEIGHT * cpu->depth_raw.blocks_x + (tile->x + x) / BLOCK_WIDTH] =
+                (struct depth_range){.min = DEPTH_EMPTY, .max = DEPTH_EMPTY};
+        }
+    }
+    struct plane *planes[SUM_COUNT] = {&cpu->raw.thickness, &cpu->raw.color[0], &cpu->raw.color[1], &cpu->raw.color[2]};
+    for (int k = 0; k < (cpu->raw.has_color ? SUM_COUNT : 1); k++) {
+        for (int y = 0; y < tile->texels.rows; y++) {
+            float *row = planes[k]->data + (tile->y / cpu->raw.scale + y) * planes[k]->stride + tile->x / cpu->raw.scale;
+            memset(row, 0, (size_t)tile->texels.columns * sizeof(float));
+        }
+    }
+}
+
+static void draw_tile(struct backend *cpu, struct tile_scratch *scratch, size_t index)
+{
+    const struct tiles *tiles = cpu->tiles;
+    const struct splat_kernels *kernels = cpu->kernels->splat;
+    struct splat_tile *tile = &scratch->tile;
+    tile->x = (int)(index % (size_t)tiles->columns) * TILE_SIZE;
+    tile->y = (int)(index / (size_t)tiles->columns) * TILE_SIZE;
+    tile->pixels = grid_of(&tiles->view, tile->x, tile->y, 1);
+    tile->texels = grid_of(&tiles->view, tile->x, tile->y, tiles->view.scale);
+    const uint32_t *entries = tiles->entries + tiles->begin[index];
+    size_t count = tiles->begin[index + 1] - tiles->begin[index];
+    if (count == 0) {
+        write_empty(cpu, tile);
+        return;
+    }
+    draw_thickness(cpu, tile, entries, count);
+    kernels->resolve_sum(&tiles->view, tile, 0, &cpu->raw.thickness);
+    for (int c = 0; c < 3 && cpu->raw.has_color; c++) {
+        kernels->resolve_sum(&tiles->view, tile, 1 + c, &cpu->raw.color[c]);
+    }
+    draw_depth(cpu, scratch, entries, count);
+    scratch->pixels_covered += kernels->resolve_depth(&tiles->view, tile, &cpu->depth_raw);
+}
+
+static void tiles_job(void *context, int index)
+{
+    struct splat *splat = context;
+    struct tiles *tiles = splat->cpu->tiles;
+    struct tile_scratch *scratch = &tiles->scratch[index];
+    scratch->particles_splatted = scratch->pixels_covered = 0;
+    size_t count = (size_t)tiles->columns * (size_t)tiles->rows;
+    for (size_t tile = atomic_fetch_add(&splat->next, 1); tile < count; tile = atomic_fetch_add(&splat->next, 1)) {
+        draw_tile(splat->cpu, scratch, tile);
+    }
+}
+
+static bool resize(struct backend *cpu, const struct frame *frame)
+{
+    struct memory *memory = cpu->host.memory;
+    const struct splat_view *view = &cpu->tiles->view;
+    int width = (view->width + view->scale - 1) / view->scale, height = (view->height + view->scale - 1) / view->scale;
+    cpu->raw.scale = view->scale;
+    cpu->raw.has_color = view->has_color;
+    bool done = mns_depth_plane_resize(&cpu->depth_raw, memory, frame->view.width, frame->view.height) &&
+                mns_plane_resize(&cpu->raw.thickness, memory, width, height, PLANE_BORDER);
+    for (int c = 0; c < 3; c++) {
+        if (view->has_color) {
+            done = done && mns_plane_resize(&cpu->raw.color[c], memory, width, height, PLANE_BORDER);
+        } else {
+            mns_plane_free(&cpu->raw.color[c], memory);
+        }
+    }
+    return done;
+}
+
+struct layers {
+    const struct backend *cpu;
+    const struct mns_image *depth, *thickness;
+};
+
+static float *output_row(const struct mns_image *image, int y)
+{
+    size_t stride = image->stride > 0 ? image->stride : (size_t)image->width * sizeof(float);
+    return (float *)(void *)((char *)image->data + (size_t)y * stride);
+}
+
+/* One row of the texels, bilinearly between their centres; at one pixel per texel as it is. */
+static void write_thickness_row(const struct thickness_image *raw, float *out, int y, int width)
+{
+    float per = 1.0f / (float)raw->scale, ty = fmaxf(((float)y + 0.5f) * per - 0.5f, 0);
+    int y0 = (int)ty, y1 = least(y0 + 1, raw->thickness.height - 1);
+    const float *above = raw->thickness.data + y0 * raw->thickness.stride, *below = raw->thickness.data + y1 * raw->thickness.stride;
+    float fy = ty - (float)y0;
+    for (int x = 0; x < width; x++) {
+        float tx = fmaxf(((float)x + 0.5f) * per - 0.5f, 0), fx = tx - floorf(tx);
+        int x0 = (int)tx, x1 = least(x0 + 1, raw->thickness.width - 1);
+        float top = above[x0] + fx * (above[x1] - above[x0]), bottom = below[x0] + fx * (below[x1] - below[x0]);
+        out[x] = top + fy * (bottom - top);
+    }
+}
+
+static void layers_job(void *context, int y)
+{
+    const struct layers *layers = context;
+    const struct plane *depth = &layers->cpu->depth_raw.plane;
+    if (layers->depth) {
+        float *out = output_row(layers->depth, y);
+        const float *row = depth->data + y * depth->stride;
+        for (int x = 0; x < depth->width; x++) {
+            out[x] = row[x] < DEPTH_LIMIT ? row[x] : INFINITY;
+        }
+    }
+    if (layers->thickness) {
+        write_thickness_row(&layers->cpu->raw, output_row(layers->thickness, y), y, depth->width);
+    }
+}
 
 mns_result mns_cpu_splat(struct backend *cpu, const struct frame *frame)
 {
-    (void)cpu;
-    (void)frame;
+    if (!resize(cpu, frame)) {
+        return cpu_out_of_memory(cpu);
+    }
+    struct splat splat = {.cpu = cpu};
+    cpu_run(cpu, tiles_job, &splat, cpu->host.threads);
+    cpu->stats.particles_splatted = cpu->stats.pixels_covered = 0;
+    for (int i = 0; i < cpu->host.threads; i++) {
+        cpu->stats.particles_splatted += cpu->tiles->scratch[i].particles_splatted;
+        cpu->stats.pixels_covered += cpu->tiles->scratch[i].pixels_covered;
+    }
+    struct layers layers = {
+        .cpu = cpu, .depth = mns_frame_output(frame, MNS_LAYER_DEPTH_RAW), .thickness = mns_frame_output(frame, MNS_LAYER_THICKNESS_RAW)};
+    if (layers.depth || layers.thickness) {
+        cpu_run(cpu, layers_job, &layers, frame->view.height);
+    }
     return MNS_OK;
 }

@@ -1,4 +1,277 @@
-/* splat.c: the kernels of stage splat in plain C. */
-#include "cpu/splat.h"
+/* splat.c: the kernels of stages bin and splat in plain C: their definition. */
+#include "cpu/sprite.h"
 
-const struct splat_kernels mns_splat_kernels_scalar = {0};
+#include <string.h>
+
+static inline int least(int a, int b) { return a < b ? a : b; }
+
+/* Bounds of one chunk's box, grown by the largest radius. */
+static void chunk_bounds(const struct splat_view *view, size_t chunk, int at, struct splat_bounds *out)
+{
+    const struct particle_store *p = view->particles;
+    float radius = view->radius_scale > 0 ? view->radius_scale * p->box_radius[chunk] : view->radius;
+    float center[3], extent[3];
+    for (int k = 0; k < 3; k++) {
+        center[k] = view->translation[k];
+        extent[k] = 0;
+        for (int axis = 0; axis < 3; axis++) {
+            float r = view->rotation[3 * k + axis], low = p->box_min[axis][chunk], high = p->box_max[axis][chunk];
+            center[k] += r * 0.5f * (low + high);
+            extent[k] += fabsf(r) * 0.5f * (high - low);
+        }
+    }
+    /* Corners of the box around the box, in image space: simple, and hardly larger where chunks are small. */
+    float nearest = center[2] - extent[2] - view->slack, farthest = center[2] + extent[2] + view->slack;
+    float left = center[0] - extent[0] - view->slack, right = center[0] + extent[0] + view->slack;
+    float top = center[1] - extent[1] - view->slack, bottom = center[1] + extent[1] + view->slack;
+    float reach = view->scale > 1 ? SUM_REACH * (float)view->scale : 0;
+    float x_min = 0, x_max = (float)view->width, y_min = 0, y_max = (float)view->height, sprite = DEPTH_EMPTY;
+    if (view->orthographic) {
+        float rx = view->fx * radius, ry = view->fy * radius;
+        x_min = view->fx * left + view->cx - rx - reach;
+        x_max = view->fx * right + view->cx + rx + reach;
+        y_min = view->fy * top + view->cy - ry - reach;
+        y_max = view->fy * bottom + view->cy + ry + reach;
+        sprite = fmaxf(rx, ry);
+    } else if (nearest >= CLOSE_RADII * radius && nearest > 0) {
+        float rho = radius / nearest, low_x, high_x, low_y, high_y, unused;
+        float a_min = fminf(left / nearest, left / farthest), a_max = fmaxf(right / nearest, right / farthest);
+        float b_min = fminf(top / nearest, top / farthest), b_max = fmaxf(bottom / nearest, bottom / farthest);
+        sprite_extent(a_min, rho, &low_x, &unused);
+        sprite_extent(a_max, rho, &unused, &high_x);
+        sprite_extent(b_min, rho, &low_y, &unused);
+        sprite_extent(b_max, rho, &unused, &high_y);
+        x_min = view->fx * low_x + view->cx - reach;
+        x_max = view->fx * high_x + view->cx + reach;
+        y_min = view->fy * low_y + view->cy - reach;
+        y_max = view->fy * high_y + view->cy + reach;
+        /* Half of the outline's extent grows with |slope|. */
+        float rest = 1 - rho * rho, a = fmaxf(fabsf(a_min), fabsf(a_max)), b = fmaxf(fabsf(b_min), fabsf(b_max));
+        sprite = rho / rest * fmaxf(view->fx * sqrtf(a * a + rest), view->fy * sqrtf(b * b + rest));
+    } else {
+        /* Close to the eye: all of the picture, unless wholly beyond one side plane of the frustum (widened by reach). */
+        float w = (float)view->width, h = (float)view->height;
+        float planes[4][3] = {{view->fx, 0, view->cx + reach},
+                              {-view->fx, 0, w - view->cx + reach},
+                              {0, view->fy, view->cy + reach},
+                              {0, -view->fy, h - view->cy + reach}};
+        for (int i = 0; i < 4; i++) {
+            const float *n = planes[i];
+            float inside = n[0] * center[0] + n[1] * center[1] + n[2] * center[2] + fabsf(n[0]) * extent[0] + fabsf(n[1]) * extent[1] +
+                           fabsf(n[2]) * extent[2] + (radius + view->slack) * (fabsf(n[0]) + fabsf(n[1]) + fabsf(n[2]));
+            x_max = inside < 0 ? -1 : x_max;
+        }
+    }
+    bool apart = farthest + radius < view->near_plane || nearest - radius > view->far_plane;
+    out->x_min[at] = x_min;
+    out->x_max[at] = apart ? x_min - 1 : x_max;
+    out->y_min[at] = y_min;
+    out->y_max[at] = y_max;
+    out->near_depth[at] = nearest - radius;
+    out->far_depth[at] = farthest + radius;
+    out->sprite[at] = sprite;
+}
+
+static void bounds(const struct splat_view *view, size_t first, struct splat_bounds *out)
+{
+    size_t count = view->particles->chunk_count - first;
+    for (size_t i = 0; i < BOUNDS_BATCH && i < count; i++) {
+        chunk_bounds(view, first + i, (int)i, out);
+    }
+}
+
+struct span {
+    int x0, x1, y0, y1; /* inclusive */
+};
+
+static bool span_of(const struct splat_grid *grid, const struct sprite *s, struct span *out)
+{
+    sprite_span(s->x_min, s->x_max, grid->columns, &out->x0, &out->x1);
+    sprite_span(s->y_min, s->y_max, grid->rows, &out->y0, &out->y1);
+    return out->x0 <= out->x1 && out->y0 <= out->y1;
+}
+
+/* What is at this depth or beyond is hidden everywhere in the span. */
+static float hidden_from(const struct splat_tile *tile, const struct span *span)
+{
+    int columns = TILE_SIZE >> tile->shift_x;
+    float farthest = 0;
+    for (int by = span->y0 >> tile->shift_y; by <= span->y1 >> tile->shift_y; by++) {
+        for (int bx = span->x0 >> tile->shift_x; bx <= span->x1 >> tile->shift_x; bx++) {
+            farthest = fmaxf(farthest, tile->farthest[by * columns + bx]);
+        }
+    }
+    return farthest;
+}
+
+static void update_farthest(struct splat_tile *tile, const struct span *span)
+{
+    int columns = TILE_SIZE >> tile->shift_x, width = 1 << tile->shift_x, height = 1 << tile->shift_y;
+    for (int by = span->y0 >> tile->shift_y; by <= span->y1 >> tile->shift_y; by++) {
+        for (int bx = span->x0 >> tile->shift_x; bx <= span->x1 >> tile->shift_x; bx++) {
+            float most = 0;
+            for (int y = by * height; y < (by + 1) * height; y++) {
+                for (int x = bx * width; x < (bx + 1) * width; x++) {
+                    most = fmaxf(most, tile->nearest[y * TILE_STRIDE + x]);
+                }
+            }
+            int block = by * columns + bx;
+            tile->farthest[block] = most > DEPTH_LIMIT ? DEPTH_EMPTY : most * tile->per_nearest[block];
+        }
+    }
+}
+
+static void draw_depth(const struct splat_view *view, struct splat_tile *tile, const struct sprite *s, const struct span *span)
+{
+    struct sprite_poly poly = sprite_poly_of(view, &tile->pixels, s);
+    for (int y = span->y0; y <= span->y1; y++) {
+        float *row = tile->nearest + y * TILE_STRIDE;
+        for (int x = span->x0; x <= span->x1; x++) {
+            float along, s2 = sprite_evaluate(&poly, (float)x + 0.5f - s->x, (float)y + 0.5f - s->y, &along);
+            if (s2 > 0) {
+                row[x] = fminf(row[x], along - sqrtf(s2));
+            }
+        }
+    }
+}
+
+static size_t depth(const struct splat_view *view, struct splat_tile *tile, size_t chunk, float limit)
+{
+    struct span touched = {.x0 = TILE_SIZE, .x1 = -1, .y0 = TILE_SIZE, .y1 = -1};
+    size_t drawn = 0;
+    for (size_t i = chunk * CHUNK_SIZE; i < sprite_chunk_end(view, chunk); i++) {
+        struct sprite s = sprite_project(view, &tile->pixels, i);
+        float nearest = s.q[2] - s.radius - view->slack;
+        struct span span;
+        if (nearest >= limit || !span_of(&tile->pixels, &s, &span) || nearest >= hidden_from(tile, &span)) {
+            continue;
+        }
+        draw_depth(view, tile, &s, &span);
+        drawn += sprite_is_home(view, tile, s.x, s.y);
+        touched.x0 = least(touched.x0, span.x0);
+        touched.y0 = least(touched.y0, span.y0);
+        touched.x1 = -least(-touched.x1, -span.x1);
+        touched.y1 = -least(-touched.y1, -span.y1);
+    }
+    update_farthest(tile, &touched);
+    return drawn;
+}
+
+/* weight, and weight * colour. */
+static int amounts_of(const struct splat_view *view, size_t particle, float amount, float out[SUM_COUNT])
+{
+    out[0] = amount;
+    for (int c = 0; c < 3 && view->has_color; c++) {
+        out[1 + c] = amount * view->particles->color[c][particle];
+    }
+    return view->has_color ? SUM_COUNT : 1;
+}
+
+/* Chords, or with a falloff the smooth form. */
+static void add_places(const struct splat_view *view, struct splat_tile *tile, struct sprite *s, size_t particle, float falloff)
+{
+    struct sprite_poly poly = sprite_poly_of(view, &tile->texels, s);
+    float per_center = falloff / poly.k0, amount = s->weight;
+    if (falloff > 0) {
+        amount *= 2 * falloff * sqrtf(poly.k0);
+        sprite_widen(s, falloff);
+    }
+    struct span span;
+    if (!span_of(&tile->texels, s, &span)) {
+        return;
+    }
+    float amounts[SUM_COUNT];
+    int count = amounts_of(view, particle, amount, amounts);
+    for (int y = span.y0; y <= span.y1; y++) {
+        for (int x = span.x0; x <= span.x1; x++) {
+            float along, s2 = sprite_evaluate(&poly, (float)x + 0.5f - s->x, (float)y + 0.5f - s->y, &along);
+            float smooth = fmaxf(1 - falloff + per_center * s2, 0);
+            float value = falloff > 0 ? smooth * smooth : sqrtf(fmaxf(s2, 0));
+            for (int k = 0; k < count; k++) {
+                tile->sums[k][y * TILE_STRIDE + x] += amounts[k] * value;
+            }
+        }
+    }
+}
+
+static void add_deposit(const struct splat_view *view, struct splat_tile *tile, const struct sprite *s, size_t particle)
+{
+    if (!sprite_reaches(s->x, tile->texels.columns) || !sprite_reaches(s->y, tile->texels.rows)) {
+        return;
+    }
+    float amounts[SUM_COUNT];
+    int count = amounts_of(view, particle, sprite_amount(view, &tile->texels, s), amounts);
+    float x = floorf(s->x + 0.5f), y = floorf(s->y + 0.5f), fx = s->x + 0.5f - x, fy = s->y + 0.5f - y;
+    for (int k = 0; k < count; k++) {
+        float *cell = tile->cells[k] + (int)y * CELL_STRIDE + 4 * (int)x;
+        float low = amounts[k] * (1 - fy), high = amounts[k] * fy;
+        cell[0] += low * (1 - fx);
+        cell[1] += low * fx;
+        cell[2] += high * (1 - fx);
+        cell[3] += high * fx;
+    }
+    tile->deposited = true;
+}
+
+static void thickness(const struct splat_view *view, struct splat_tile *tile, size_t chunk)
+{
+    for (size_t i = chunk * CHUNK_SIZE; i < sprite_chunk_end(view, chunk); i++) {
+        struct sprite s = sprite_project(view, &tile->texels, i);
+        float size = sprite_size(view, &tile->texels, &s);
+        enum sprite_form form = sprite_form_of(view, size);
+        if (form == SPRITE_DEPOSIT) {
+            add_deposit(view, tile, &s, i);
+        } else {
+            add_places(view, tile, &s, i, form == SPRITE_SMOOTH ? sprite_falloff(size) : 0);
+        }
+    }
+}
+
+/* |v|^2 of the ray through place (x, y) of the grid. */
+static float ray_length2(const struct splat_view *view, const struct splat_grid *grid, int x, int y)
+{
+    float u = ((float)x + 0.5f - grid->cx) / grid->fx, w = ((float)y + 0.5f - grid->cy) / grid->fy;
+    return view->orthographic ? 1 : u * u + w * w + 1;
+}
+
+static size_t resolve_depth(const struct splat_view *view, const struct splat_tile *tile, struct depth_plane *out)
+{
+    size_t covered = 0;
+    for (int by = 0; by < tile->pixels.rows; by += BLOCK_HEIGHT) {
+        for (int bx = 0; bx < tile->pixels.columns; bx += BLOCK_WIDTH) {
+            struct depth_range range = {.min = DEPTH_EMPTY, .max = 0};
+            for (int y = by; y < least(by + BLOCK_HEIGHT, tile->pixels.rows); y++) {
+                float *row = out->plane.data + (tile->y + y) * out->plane.stride + tile->x;
+                for (int x = bx; x < least(bx + BLOCK_WIDTH, tile->pixels.columns); x++) {
+                    float nearest = tile->nearest[y * TILE_STRIDE + x];
+                    bool fluid = nearest < DEPTH_LIMIT;
+                    row[x] = fluid ? nearest / ray_length2(view, &tile->pixels, x, y) : DEPTH_EMPTY;
+                    range.min = fminf(range.min, row[x]);
+                    range.max = fmaxf(range.max, row[x]);
+                    covered += fluid;
+                }
+            }
+            out->ranges[(tile->y + by) / BLOCK_HEIGHT * out->blocks_x + (tile->x + bx) / BLOCK_WIDTH] = range;
+        }
+    }
+    return covered;
+}
+
+static void resolve_sum(const struct splat_view *view, const struct splat_tile *tile, int sum, struct plane *out)
+{
+    for (int y = 0; y < tile->texels.rows; y++) {
+        float *row = out->data + (tile->y / view->scale + y) * out->stride + tile->x / view->scale;
+        const float *sums = tile->sums[sum] + y * TILE_STRIDE;
+        for (int x = 0; x < tile->texels.columns; x++) {
+            float value = sums[x];
+            if (tile->deposited) {
+                const float *above = tile->cells[sum] + y * CELL_STRIDE + 4 * x, *below = above + CELL_STRIDE;
+                value += (below[4] + below[1]) + (above[6] + above[3]);
+            }
+            row[x] = 2 * value / sqrtf(ray_length2(view, &tile->texels, x, y));
+        }
+    }
+}
+
+const struct splat_kernels mns_splat_kernels_scalar = {
+    .bounds = bounds, .depth = depth, .thickness = thickness, .resolve_depth = resolve_depth, .resolve_sum = resolve_sum};

@@ -1,6 +1,5 @@
-/* splat.c: the kernels of stage splat over simd.h. */
-#include "cpu/splat.h"
-
+/* splat.c: the kernels of stage splat: plain C compiled for the instruction set. */
 #include "cpu/simd.h"
 
-const struct splat_kernels SIMD_NAME(mns_splat_kernels) = {0};
+#define mns_splat_kernels_scalar SIMD_NAME(mns_splat_kernels)
+#include "cpu/scalar/splat.c"

@@ -1,0 +1,225 @@
+/* splat_cut.c: spheres that are not drawn whole: cut by the near or far plane or by the scene, or around the eye. */
+#include "cpu/splat_cut.h"
+
+#include "cpu/sprite.h"
+
+struct ball {
+    double q[3], radius; /* metres, image space */
+    int x0, x1, y0, y1;  /* places of the grid that it may touch, inclusive */
+};
+
+struct ray {
+    double u, w, length2; /* v = (u, w, 1), orthographic: from (u, w, 0) along (0, 0, 1) */
+};
+
+static struct ray ray_at(const struct splat_view *view, const struct splat_grid *grid, int x, int y)
+{
+    struct ray ray = {.u = (x + 0.5 - (double)grid->cx) / (double)grid->fx, .w = (y + 0.5 - (double)grid->cy) / (double)grid->fy};
+    ray.length2 = view->orthographic ? 1 : ray.u * ray.u + ray.w * ray.w + 1;
+    return ray;
+}
+
+/* Depths at which the ray enters and leaves. false: it misses. */
+static bool meet(const struct splat_view *view, const struct ray *ray, const struct ball *ball, double *enter, double *leave)
+{
+    const double *c = ball->q;
+    double along, square;
+    if (view->orthographic) {
+        double x = c[0] - ray->u, y = c[1] - ray->w;
+        along = c[2];
+        square = ball->radius * ball->radius - x * x - y * y;
+    } else {
+        double x = ray->w * c[2] - c[1], y = c[0] - ray->u * c[2], z = ray->u * c[1] - ray->w * c[0]; /* v x c */
+        along = ray->u * c[0] + ray->w * c[1] + c[2];
+        square = ray->length2 * ball->radius * ball->radius - (x * x + y * y + z * z);
+    }
+    if (!(square > 0)) {
+        return false;
+    }
+    *enter = (along - sqrt(square)) / ray->length2;
+    *leave = (along + sqrt(square)) / ray->length2;
+    return true;
+}
+
+/* false: nothing of it in the grid and between the planes. */
+static bool ball_of(const struct splat_view *view, const struct splat_grid *grid, size_t particle, struct ball *out)
+{
+    float q[3], radius = sprite_radius(view, particle);
+    sprite_center(view, particle, q);
+    *out = (struct ball){
+        .q = {(double)q[0], (double)q[1], (double)q[2]}, .radius = (double)radius, .x1 = grid->columns - 1, .y1 = grid->rows - 1};
+    if (q[2] + radius <= view->near_plane || q[2] - radius >= view->far_plane) {
+        return false;
+    }
+    if (!view->orthographic && q[2] < CLOSE_RADII * radius) {
+        return true; /* its outline may be no ellipse */
+    }
+    struct sprite s = sprite_project(view, grid, particle);
+    sprite_span(s.x_min, s.x_max, grid->columns, &out->x0, &out->x1);
+    sprite_span(s.y_min, s.y_max, grid->rows, &out->y0, &out->y1);
+    return out->x0 <= out->x1 && out->y0 <= out->y1;
+}
+
+/* Whether the centre, moved before the eye and into the picture, is in the tile. */
+static bool is_home(const struct splat_view *view, const struct splat_tile *tile, const struct ball *ball)
+{
+    double per_metre = view->orthographic ? 1 : 1 / fmax(ball->q[2], (double)view->near_plane);
+    return sprite_is_home(view, tile, (float)(ball->q[0] * per_metre * (double)tile->pixels.fx + (double)tile->pixels.cx),
+                          (float)(ball->q[1] * per_metre * (double)tile->pixels.fy + (double)tile->pixels.cy));
+}
+
+size_t mns_cut_depth(const struct splat_view *view, struct splat_tile *tile, size_t chunk)
+{
+    size_t drawn = 0;
+    for (size_t i = chunk * CHUNK_SIZE; i < sprite_chunk_end(view, chunk); i++) {
+        struct ball ball;
+        if (!ball_of(view, &tile->pixels, i, &ball)) {
+            continue;
+        }
+        for (int y = ball.y0; y <= ball.y1; y++) {
+            for (int x = ball.x0; x <= ball.x1; x++) {
+                struct ray ray = ray_at(view, &tile->pixels, x, y);
+                double enter, leave;
+                if (!meet(view, &ray, &ball, &enter, &leave) || leave <= (double)view->near_plane || enter >= (double)view->far_plane) {
+                    continue;
+                }
+                float *nearest = &tile->nearest[y * TILE_STRIDE + x];
+                *nearest = fminf(*nearest, (float)(fmax(enter, (double)view->near_plane) * ray.length2));
+            }
+        }
+        drawn += is_home(view, tile, &ball);
+    }
+    return drawn;
+}
+
+/* Where thickness ends in pixel (x, y) of the picture. */
+static double end_at(const struct splat_view *view, const struct plane *scene, int x, int y)
+{
+    return scene ? fmin((double)view->far_plane, (double)scene->data[y * scene->stride + x]) : (double)view->far_plane;
+}
+
+/* Part of a ball of this radius that lies before depth: a cap's share of the volume. */
+static double part_before(const struct ball *ball, double depth)
+{
+    double h = fmin(fmax((depth - ball->q[2]) / (2 * ball->radius) + 0.5, 0), 1);
+    return h * h * (3 - 2 * h);
+}
+
+/* Mean over the pixels of texel (x, y) of the visible length between enter and leave. */
+static double mean_visible(const struct splat_view *view, const struct splat_tile *tile, int x, int y, const struct plane *scene,
+                           double enter, double leave)
+{
+    double sum = 0, from = fmax(enter, (double)view->near_plane);
+    int pixels = 0, x0 = tile->x + x * view->scale, y0 = tile->y + y * view->scale;
+    for (int py = y0; py < y0 + view->scale && py < view->height; py++) {
+        for (int px = x0; px < x0 + view->scale && px < view->width; px++) {
+            sum += fmax(fmin(leave, end_at(view, scene, px, py)) - from, 0);
+            pixels++;
+        }
+    }
+    return sum / pixels;
+}
+
+/* The same of a ball that is spread over more than its outline: its visible part, whichever ray. */
+static double mean_part(const struct splat_view *view, const struct splat_tile *tile, int x, int y, const struct plane *scene,
+                        const struct ball *ball)
+{
+    double sum = 0, before = part_before(ball, (double)view->near_plane);
+    int pixels = 0, x0 = tile->x + x * view->scale, y0 = tile->y + y * view->scale;
+    for (int py = y0; py < y0 + view->scale && py < view->height; py++) {
+        for (int px = x0; px < x0 + view->scale && px < view->width; px++) {
+            sum += fmax(part_before(ball, end_at(view, scene, px, py)) - before, 0);
+            pixels++;
+        }
+    }
+    return sum / pixels;
+}
+
+static void add(const struct splat_view *view, struct splat_tile *tile, int x, int y, size_t particle, double value)
+{
+    tile->sums[0][y * TILE_STRIDE + x] += (float)value;
+    for (int c = 0; c < 3 && view->has_color; c++) {
+        tile->sums[1 + c][y * TILE_STRIDE + x] += (float)(value * (double)view->particles->color[c][particle]);
+    }
+}
+
+static void add_chords(const struct splat_view *view, struct splat_tile *tile, size_t particle, const struct plane *scene)
+{
+    struct ball ball;
+    if (!ball_of(view, &tile->texels, particle, &ball)) {
+        return;
+    }
+    double weight = (double)sprite_weight(view, particle, (float)ball.radius);
+    for (int y = ball.y0; y <= ball.y1; y++) {
+        for (int x = ball.x0; x <= ball.x1; x++) {
+            struct ray ray = ray_at(view, &tile->texels, x, y);
+            double enter, leave;
+            if (meet(view, &ray, &ball, &enter, &leave)) {
+                add(view, tile, x, y, particle, 0.5 * weight * ray.length2 * mean_visible(view, tile, x, y, scene, enter, leave));
+            }
+        }
+    }
+}
+
+static struct ball ball_at(const struct sprite *s)
+{
+    return (struct ball){.q = {(double)s->q[0], (double)s->q[1], (double)s->q[2]}, .radius = (double)s->radius};
+}
+
+static void add_smooth(const struct splat_view *view, struct splat_tile *tile, size_t particle, struct sprite *s, float falloff,
+                       const struct plane *scene)
+{
+    struct ball ball = ball_at(s);
+    struct sprite_poly poly = sprite_poly_of(view, &tile->texels, s);
+    double amount = (double)(s->weight * 2 * falloff * sqrtf(poly.k0));
+    sprite_widen(s, falloff);
+    sprite_span(s->x_min, s->x_max, tile->texels.columns, &ball.x0, &ball.x1);
+    sprite_span(s->y_min, s->y_max, tile->texels.rows, &ball.y0, &ball.y1);
+    for (int y = ball.y0; y <= ball.y1; y++) {
+        for (int x = ball.x0; x <= ball.x1; x++) {
+            float along, s2 = sprite_evaluate(&poly, (float)x + 0.5f - s->x, (float)y + 0.5f - s->y, &along);
+            double smooth = (double)fmaxf(1 - falloff + falloff / poly.k0 * s2, 0);
+            if (smooth > 0) {
+                add(view, tile, x, y, particle, amount * smooth * smooth * mean_part(view, tile, x, y, scene, &ball));
+            }
+        }
+    }
+}
+
+static void add_deposit(const struct splat_view *view, struct splat_tile *tile, size_t particle, const struct sprite *s,
+                        const struct plane *scene)
+{
+    struct ball ball = ball_at(s);
+    double amount = (double)sprite_amount(view, &tile->texels, s);
+    float left = floorf(s->x - 0.5f), top = floorf(s->y - 0.5f);
+    for (int y = (int)top; y <= (int)top + 1; y++) {
+        for (int x = (int)left; x <= (int)left + 1; x++) {
+            if (x >= 0 && x < tile->texels.columns && y >= 0 && y < tile->texels.rows) {
+                double share = (1 - fabs((double)s->x - 0.5 - x)) * (1 - fabs((double)s->y - 0.5 - y));
+                add(view, tile, x, y, particle, amount * share * mean_part(view, tile, x, y, scene, &ball));
+            }
+        }
+    }
+}
+
+void mns_cut_thickness(const struct splat_view *view, struct splat_tile *tile, size_t chunk, const struct plane *scene)
+{
+    for (size_t i = chunk * CHUNK_SIZE; i < sprite_chunk_end(view, chunk); i++) {
+        float q[3], radius = sprite_radius(view, i);
+        sprite_center(view, i, q);
+        if (!view->orthographic && q[2] < CLOSE_RADII * radius) {
+            add_chords(view, tile, i, scene);
+            continue;
+        }
+        struct sprite s = sprite_project(view, &tile->texels, i);
+        float size = sprite_size(view, &tile->texels, &s);
+        enum sprite_form form = sprite_form_of(view, size);
+        if (form == SPRITE_CHORD) {
+            add_chords(view, tile, i, scene);
+        } else if (form == SPRITE_SMOOTH) {
+            add_smooth(view, tile, i, &s, sprite_falloff(size), scene);
+        } else if (sprite_reaches(s.x, tile->texels.columns) && sprite_reaches(s.y, tile->texels.rows)) {
+            add_deposit(view, tile, i, &s, scene);
+        }
+    }
+}

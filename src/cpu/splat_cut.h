@@ -1,0 +1,13 @@
+/* splat_cut.h: spheres that are not drawn whole: cut by the near or far plane or by the scene, or around the eye. */
+#ifndef MNS_CPU_SPLAT_CUT_H
+#define MNS_CPU_SPLAT_CUT_H
+
+#include "cpu/splat.h"
+
+/* As the kernels depth and thickness, for any chunk, in double precision and without hurry: few chunks of a picture need it.
+ * Where the near root lies before the near plane, the depth is the near plane's. tile->farthest is left alone, which is safe.
+ * scene: depths of the picture that thickness ends at, or NULL; a texel takes the mean over its pixels. */
+size_t mns_cut_depth(const struct splat_view *view, struct splat_tile *tile, size_t chunk);
+void mns_cut_thickness(const struct splat_view *view, struct splat_tile *tile, size_t chunk, const struct plane *scene);
+
+#endif

@@ -1,0 +1,46 @@
+/* tiles.h: which chunks each tile of the picture has to draw. */
+#ifndef MNS_CPU_TILES_H
+#define MNS_CPU_TILES_H
+
+#include "cpu/splat.h"
+
+#include <stdint.h>
+
+/* A chunk as seen from the eye. */
+struct tile_chunk {
+    float near_depth, far_depth;         /* metres; nothing of it is outside */
+    float sprite;                        /* pixels: largest half-extent of a sphere; DEPTH_EMPTY: close to the eye */
+    uint16_t x_min, x_max, y_min, y_max; /* pixels that it may touch, inclusive; x_min > x_max: none */
+};
+
+/* One thread's buffers. */
+struct tile_scratch {
+    struct splat_tile tile;
+    struct tile_order {
+        float near_depth;
+        uint32_t chunk;
+    } * order; /* the tile's chunks front to back */
+    size_t order_capacity;
+    size_t particles_splatted, pixels_covered;
+};
+
+struct tiles {
+    struct splat_view view;
+    int columns, rows;
+    struct tile_chunk *chunks; /* [chunk_count] */
+    size_t *begin;             /* [columns * rows + 1] of each tile in entries */
+    uint32_t *entries;         /* chunks of tile 0, in order, then of tile 1, ... */
+    size_t *counts;            /* [slices][columns * rows] */
+    size_t largest;            /* most chunks in one tile */
+    size_t particles_visible;
+
+    struct tile_scratch *scratch; /* [scratch_count] */
+    int scratch_count;
+    size_t chunk_capacity, begin_capacity, entry_capacity, count_capacity;
+};
+
+/* One piece of scratch per thread, each with room for the fullest tile. false: out of memory. */
+bool mns_tiles_reserve_scratch(struct tiles *tiles, struct memory *memory, int threads);
+void mns_tiles_free(struct tiles *tiles, struct memory *memory);
+
+#endif
