@@ -3,8 +3,8 @@
 set -eu
 cd "$(dirname "$0")/.."
 sh scripts/deps.sh
-cmake -S . -B build -G Ninja -DMNS_BUILD_TESTS=OFF >/dev/null
-cmake --build build
+cmake -S . -B build -G Ninja >/dev/null
+cmake --build build --target meniscus_program
 mkdir -p out
 build/meniscus sample crown --particles 300000 -o out/crown.npz
 build/meniscus render out/crown.npz -o out/crown.png
