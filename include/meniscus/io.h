@@ -79,14 +79,14 @@ MNS_API size_t mns_particle_set_attribute_count(const mns_particle_set *set);
 MNS_API const struct mns_attribute *mns_particle_set_attribute(const mns_particle_set *set, size_t index); /* NULL: out of range */
 
 /* The time steps of a ParaView collection (.pvd). */
-struct mns_pvd_entry {
+struct mns_pvd_step {
     double time;
     const char *path; /* of the file, with the .pvd's folder in front where it is relative */
 };
 typedef struct mns_pvd mns_pvd; /* opaque */
 MNS_API mns_result mns_pvd_read(mns_pvd **out, const char *path, struct mns_message *message);
 MNS_API size_t mns_pvd_count(const mns_pvd *pvd);
-MNS_API const struct mns_pvd_entry *mns_pvd_entry(const mns_pvd *pvd, size_t index);
+MNS_API const struct mns_pvd_step *mns_pvd_get(const mns_pvd *pvd, size_t index); /* NULL: out of range */
 MNS_API void mns_pvd_destroy(mns_pvd **pvd);
 
 /* Writers. Each writes beside `path` and renames, so that the file appears whole or not at all.

@@ -1,0 +1,51 @@
+# What is installed: headers, libraries, the CMake package, pkg-config files. (The program installs itself.)
+include(CMakePackageConfigHelpers)
+
+set(MNS_INSTALLED meniscus)
+set(MNS_IO_DEPENDENCIES "")
+set(MNS_IO_REQUIRES "")
+if(MNS_BUILD_IO)
+  list(APPEND MNS_INSTALLED meniscus_io)
+  get_property(MNS_IO_DEPENDENCIES GLOBAL PROPERTY MNS_IO_DEPENDENCIES)
+  string(REPLACE ";" "\n  " MNS_IO_DEPENDENCIES "${MNS_IO_DEPENDENCIES}")
+  get_property(MNS_IO_REQUIRES GLOBAL PROPERTY MNS_IO_REQUIRES)
+  string(REPLACE ";" " " MNS_IO_REQUIRES "${MNS_IO_REQUIRES}")
+endif()
+
+set_target_properties(meniscus PROPERTIES EXPORT_NAME meniscus)
+if(TARGET meniscus_io)
+  set_target_properties(meniscus_io PROPERTIES EXPORT_NAME io)
+endif()
+install(TARGETS ${MNS_INSTALLED} EXPORT meniscus-targets
+  ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}" LIBRARY DESTINATION "${CMAKE_INSTALL_LIBDIR}" RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}")
+install(DIRECTORY "${PROJECT_SOURCE_DIR}/include/meniscus" "${PROJECT_BINARY_DIR}/include/meniscus"
+  DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}" FILES_MATCHING PATTERN "*.h")
+install(FILES "${PROJECT_SOURCE_DIR}/LICENSE" DESTINATION "${CMAKE_INSTALL_DOCDIR}")
+
+set(MNS_PACKAGE_DIR "${CMAKE_INSTALL_LIBDIR}/cmake/meniscus")
+install(EXPORT meniscus-targets NAMESPACE meniscus:: DESTINATION "${MNS_PACKAGE_DIR}")
+configure_package_config_file("${PROJECT_SOURCE_DIR}/cmake/meniscus-config.cmake.in" "${PROJECT_BINARY_DIR}/meniscus-config.cmake"
+  INSTALL_DESTINATION "${MNS_PACKAGE_DIR}")
+write_basic_package_version_file("${PROJECT_BINARY_DIR}/meniscus-config-version.cmake" COMPATIBILITY SameMajorVersion)
+install(FILES "${PROJECT_BINARY_DIR}/meniscus-config.cmake" "${PROJECT_BINARY_DIR}/meniscus-config-version.cmake"
+  DESTINATION "${MNS_PACKAGE_DIR}")
+
+# Told from where the .pc file lies, so that an installed tree can be moved; absolute where the caller's install folders are absolute.
+set(MNS_PC_PREFIX "${CMAKE_INSTALL_PREFIX}")
+if(NOT IS_ABSOLUTE "${CMAKE_INSTALL_LIBDIR}")
+  file(RELATIVE_PATH MNS_PC_PREFIX "/${CMAKE_INSTALL_LIBDIR}/pkgconfig" "/")
+  set(MNS_PC_PREFIX "\${pcfiledir}/${MNS_PC_PREFIX}")
+endif()
+foreach(kind INCLUDEDIR LIBDIR)
+  if(IS_ABSOLUTE "${CMAKE_INSTALL_${kind}}")
+    set(MNS_PC_${kind} "${CMAKE_INSTALL_${kind}}")
+  else()
+    set(MNS_PC_${kind} "\${prefix}/${CMAKE_INSTALL_${kind}}")
+  endif()
+endforeach()
+configure_file("${PROJECT_SOURCE_DIR}/cmake/meniscus.pc.in" "${PROJECT_BINARY_DIR}/meniscus.pc" @ONLY)
+install(FILES "${PROJECT_BINARY_DIR}/meniscus.pc" DESTINATION "${CMAKE_INSTALL_LIBDIR}/pkgconfig")
+if(MNS_BUILD_IO)
+  configure_file("${PROJECT_SOURCE_DIR}/cmake/meniscus-io.pc.in" "${PROJECT_BINARY_DIR}/meniscus-io.pc" @ONLY)
+  install(FILES "${PROJECT_BINARY_DIR}/meniscus-io.pc" DESTINATION "${CMAKE_INSTALL_LIBDIR}/pkgconfig")
+endif()
