@@ -88,7 +88,7 @@ static uint8_t *encoded(const char *format, const struct mns_image *image, size_
 {
     struct mns_message message = {""};
     char name[32];
-    void *data;
+    void *data = NULL;
     snprintf(name, sizeof(name), "image.%s", format);
     const char *path = in_folder(name);
     if (mns_image_write(path, image, &message) != MNS_OK || mns_image_encode(format, image, &data, size, &message) != MNS_OK) {

@@ -1,0 +1,13 @@
+/* load.h: particles from a file or from standard input, as the options say. */
+#ifndef MENISCUS_LOAD_H
+#define MENISCUS_LOAD_H
+
+#include "options.h"
+
+/* "-" is standard input, which can be read once. On failure *out is NULL and message says why; warnings are told unless quiet. */
+mns_result load_particles(mns_particle_set **out, const char *path, const struct options *options, struct mns_message *message);
+
+/* Where the library's warnings go. */
+struct mns_log program_log(const struct options *options);
+
+#endif

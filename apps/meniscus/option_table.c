@@ -1,0 +1,467 @@
+/* option_table.c: what each option does with its value. */
+#include "option_table.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- values ---- */
+
+static bool refuse(struct mns_message *message, const char *format, ...)
+#ifdef __GNUC__
+    __attribute__((format(printf, 2, 3)))
+#endif
+    ;
+
+static bool refuse(struct mns_message *message, const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(message->text, sizeof(message->text), format, arguments);
+    va_end(arguments);
+    return false;
+}
+
+/* Finite numbers with commas between, as many as asked for. */
+static bool parse_numbers(const char *text, int count, double *out)
+{
+    for (int i = 0; i < count; i++) {
+        char *end;
+        out[i] = strtod(text, &end);
+        if (end == text || !isfinite(out[i]) || *end != (i + 1 < count ? ',' : '\0')) {
+            return false;
+        }
+        text = end + 1;
+    }
+    return true;
+}
+
+/* A whole number in the range at the start of the text. *end: behind it. */
+static bool parse_whole(const char *text, long long low, long long high, long long *out, const char **end)
+{
+    char *stop;
+    errno = 0;
+    if (*text != '-' && (*text < '0' || *text > '9')) { /* strtoll takes blanks and a plus */
+        return false;
+    }
+    *out = strtoll(text, &stop, 10);
+    *end = stop;
+    return stop != text && errno == 0 && *out >= low && *out <= high;
+}
+
+static bool parse_count(const char *text, long long low, long long high, long long *out)
+{
+    const char *end;
+    return parse_whole(text, low, high, out, &end) && !*end;
+}
+
+/* Notes a parameter for later, when the looks have been read, and checks it now. */
+static bool add_setting(struct options *options, const char *name, const char *value, struct mns_message *message)
+{
+    struct mns_params scratch;
+    mns_params_init(&scratch);
+    if (mns_params_set(&scratch, name, value, message) != MNS_OK) {
+        return false;
+    }
+    options->settings[options->setting_count++] = (struct setting){.name = name, .value = value};
+    return true;
+}
+
+/* ---- one function per option ---- */
+
+static bool set_help(struct options *options, const char *value, struct mns_message *message)
+{
+    (void)value;
+    (void)message;
+    return options->help = true;
+}
+
+static bool set_output(struct options *options, const char *value, struct mns_message *message)
+{
+    options->output = value;
+    return *value || refuse(message, "the name is empty");
+}
+
+static bool set_output_format(struct options *options, const char *value, struct mns_message *message)
+{
+    options->output_format = value;
+    return !strcmp(value, "png") || !strcmp(value, "rgba") || refuse(message, "'%s' is none of png and rgba", value);
+}
+
+static bool set_format(struct options *options, const char *value, struct mns_message *message)
+{
+    options->format = value;
+    size_t used = 0;
+    char list[256] = "";
+    for (size_t i = 0; mns_read_format(i); i++) {
+        if (!strcmp(mns_read_format(i), value)) {
+            return true;
+        }
+        int written = snprintf(list + used, sizeof(list) - used, "%s%s", used ? ", " : "", mns_read_format(i));
+        used = written > 0 && (size_t)written < sizeof(list) - used ? used + (size_t)written : used;
+    }
+    return refuse(message, "this build does not read '%s'; it reads %s", value, list);
+}
+
+static bool set_size(struct options *options, const char *value, struct mns_message *message)
+{
+    long long width, height;
+    const char *end;
+    if (!parse_whole(value, 1, 32768, &width, &end) || *end != 'x' || !parse_count(end + 1, 1, 32768, &height)) {
+        return refuse(message, "'%s' is no size; it must be WxH, each 1 to 32768 pixels, such as 1920x1080", value);
+    }
+    options->width = (int)width;
+    options->height = (int)height;
+    return options->has_size = true;
+}
+
+static bool set_point(const char *value, double out[3], bool *has, struct mns_message *message)
+{
+    *has = true;
+    return parse_numbers(value, 3, out) || refuse(message, "'%s' is no point; it must be three numbers X,Y,Z", value);
+}
+
+static bool set_eye(struct options *options, const char *value, struct mns_message *message)
+{
+    return set_point(value, options->camera.eye, &options->camera.has_eye, message);
+}
+
+static bool set_target(struct options *options, const char *value, struct mns_message *message)
+{
+    return set_point(value, options->camera.target, &options->camera.has_target, message);
+}
+
+static bool set_up(struct options *options, const char *value, struct mns_message *message)
+{
+    const double *up = options->camera.up;
+    return set_point(value, options->camera.up, &options->camera.has_up, message) &&
+           (up[0] != 0 || up[1] != 0 || up[2] != 0 || refuse(message, "'%s' points nowhere", value));
+}
+
+static bool set_fov(struct options *options, const char *value, struct mns_message *message)
+{
+    options->camera.has_fov = true;
+    return (parse_numbers(value, 1, &options->camera.fov) && options->camera.fov >= 0.01 && options->camera.fov <= 179) ||
+           refuse(message, "'%s' must be a number of degrees from 0.01 to 179", value);
+}
+
+static bool set_orthographic(struct options *options, const char *value, struct mns_message *message)
+{
+    return (parse_numbers(value, 1, &options->camera.orthographic) && options->camera.orthographic > 0) ||
+           refuse(message, "'%s' must be the height of the view in metres, above 0", value);
+}
+
+static bool set_orbit(struct options *options, const char *value, struct mns_message *message)
+{
+    return parse_numbers(value, 1, &options->camera.orbit) || refuse(message, "'%s' must be a number of degrees per frame", value);
+}
+
+static bool set_camera(struct options *options, const char *value, struct mns_message *message)
+{
+    (void)message;
+    options->camera_file = value;
+    return true;
+}
+
+static bool set_attribute(struct options *options, const char *value, struct mns_message *message)
+{
+    const char *equals = strchr(value, '=');
+    size_t length = equals ? (size_t)(equals - value) : 0, used = 0;
+    char list[128] = "";
+    for (int i = MNS_ROLE_NONE + 1; i < MNS_ROLE_COUNT; i++) {
+        const char *name = mns_role_name((enum mns_role)i);
+        if (length > 0 && strlen(name) == length && !strncmp(name, value, length)) {
+            options->roles[options->role_count++] = value;
+            return true;
+        }
+        int written = snprintf(list + used, sizeof(list) - used, "%s%s", used ? ", " : "", name);
+        used = written > 0 && (size_t)written < sizeof(list) - used ? used + (size_t)written : used;
+    }
+    return refuse(message, "'%s' must be ROLE=NAME, with a role of %s", value, list);
+}
+
+static bool set_where(struct options *options, const char *value, struct mns_message *message)
+{
+    (void)message;
+    options->where = value;
+    return true;
+}
+
+static bool set_sun(struct options *options, const char *value, struct mns_message *message)
+{
+    const char *comma = strchr(value, ',');
+    char *azimuth = options->sun;
+    if (!comma || (size_t)(comma - value) >= sizeof(options->sun)) {
+        return refuse(message, "'%s' must be two numbers AZ,EL in degrees", value);
+    }
+    memcpy(azimuth, value, (size_t)(comma - value));
+    azimuth[comma - value] = '\0';
+    return add_setting(options, "sun_azimuth", azimuth, message) && add_setting(options, "sun_elevation", comma + 1, message);
+}
+
+static bool set_background(struct options *options, const char *value, struct mns_message *message)
+{
+    if (!strcmp(value, "sky") || !strcmp(value, "transparent")) {
+        return add_setting(options, "background", value, message);
+    }
+    if (!add_setting(options, "background_color", value, message)) {
+        return refuse(message, "'%s' must be sky, transparent or a colour RRGGBB", value);
+    }
+    return add_setting(options, "background", "color", message);
+}
+
+static bool set_parameter(struct options *options, const char *value, struct mns_message *message)
+{
+    const char *equals = strchr(value, '=');
+    char name[64];
+    if (!equals || (size_t)(equals - value) >= sizeof(name)) {
+        return refuse(message, "'%s' must be NAME=VALUE", value);
+    }
+    memcpy(name, value, (size_t)(equals - value));
+    name[equals - value] = '\0';
+    const struct mns_param *row = mns_param_find(name);
+    if (!row) { /* for its message */
+        return add_setting(options, name, equals + 1, message);
+    }
+    return add_setting(options, row->name, equals + 1, message);
+}
+
+static bool set_look(struct options *options, const char *value, struct mns_message *message)
+{
+    (void)message;
+    options->looks[options->look_count++] = value;
+    return true;
+}
+
+static bool set_save_look(struct options *options, const char *value, struct mns_message *message)
+{
+    options->save_look = value;
+    return *value || refuse(message, "the name is empty");
+}
+
+static bool set_layer(struct options *options, const char *value, struct mns_message *message)
+{
+    const char *equals = strchr(value, '=');
+    char name[64];
+    enum mns_layer layer;
+    if (!equals || !equals[1] || (size_t)(equals - value) >= sizeof(name)) {
+        return refuse(message, "'%s' must be NAME=FILE", value);
+    }
+    memcpy(name, value, (size_t)(equals - value));
+    name[equals - value] = '\0';
+    if (mns_layer_find(name, &layer) != MNS_OK) {
+        char list[256] = "";
+        size_t used = 0;
+        for (int i = 0; i < MNS_LAYER_COUNT; i++) {
+            int written = snprintf(list + used, sizeof(list) - used, "%s%s", used ? ", " : "", mns_layer_name((enum mns_layer)i));
+            used = written > 0 && (size_t)written < sizeof(list) - used ? used + (size_t)written : used;
+        }
+        return refuse(message, "there is no layer '%s'; there are %s", name, list);
+    }
+    size_t length = strlen(equals + 1);
+    if (length < 5 || strcmp(equals + 1 + length - 4, ".npy") != 0) {
+        return refuse(message, "'%s': layers are written as .npy", equals + 1);
+    }
+    for (size_t i = 0; i < options->layer_count; i++) {
+        if (options->layers[i].layer == layer) {
+            return refuse(message, "layer %s is asked for twice", name);
+        }
+    }
+    options->layers[options->layer_count++] = (struct layer_file){.layer = layer, .path = equals + 1};
+    return true;
+}
+
+/* A:B:STEP, any part may be left out. A alone is that one frame. */
+static bool set_frames(struct options *options, const char *value, struct mns_message *message)
+{
+    static const long long most = 1LL << 53;
+    const char *at = value;
+    options->has_first = options->has_last = false;
+    options->step = 1;
+    bool good = true;
+    if (*at && *at != ':') {
+        good = parse_whole(at, -most, most, &options->first, &at);
+        options->has_first = true;
+    }
+    if (good && !*at && options->has_first) {
+        options->last = options->first;
+        return options->has_last = true;
+    }
+    good = good && *at++ == ':';
+    if (good && *at && *at != ':') {
+        good = parse_whole(at, -most, most, &options->last, &at);
+        options->has_last = true;
+    }
+    if (good && *at == ':') {
+        good = !at[1] || parse_count(at + 1, 1, most, &options->step);
+    } else {
+        good = good && !*at;
+    }
+    return good || refuse(message, "'%s' must be A:B:STEP in frame numbers, such as 10:20, 10:, :20 or ::2", value);
+}
+
+static bool set_resume(struct options *options, const char *value, struct mns_message *message)
+{
+    (void)value;
+    (void)message;
+    return options->resume = true;
+}
+
+static bool set_keep_going(struct options *options, const char *value, struct mns_message *message)
+{
+    (void)value;
+    (void)message;
+    return options->keep_going = true;
+}
+
+static bool set_backend(struct options *options, const char *value, struct mns_message *message)
+{
+    options->backend = !strcmp(value, "cpu") ? MNS_BACKEND_CPU : MNS_BACKEND_AUTO;
+    return options->backend == MNS_BACKEND_CPU || !strcmp(value, "auto") || refuse(message, "'%s' is none of this build's backends: auto, cpu", value);
+}
+
+static bool set_threads(struct options *options, const char *value, struct mns_message *message)
+{
+    long long threads;
+    if (!parse_count(value, 1, 1024, &threads)) {
+        return refuse(message, "'%s' must be a whole number from 1 to 1024", value);
+    }
+    options->threads = (int)threads;
+    return true;
+}
+
+static bool set_isa(struct options *options, const char *value, struct mns_message *message)
+{
+    for (int i = MNS_ISA_SCALAR; mns_isa_name((enum mns_isa)i); i++) {
+        if (!strcmp(mns_isa_name((enum mns_isa)i), value)) {
+            options->isa = (enum mns_isa)i;
+            return mns_isa_available(options->isa) || refuse(message, "%s is not in this build or not on this machine", value);
+        }
+    }
+    return refuse(message, "'%s' is none of scalar, sse2, avx2, avx512 and neon", value);
+}
+
+static bool set_stats(struct options *options, const char *value, struct mns_message *message)
+{
+    options->stats = value;
+    return *value || refuse(message, "the name is empty");
+}
+
+static bool set_json(struct options *options, const char *value, struct mns_message *message)
+{
+    (void)value;
+    (void)message;
+    return options->json = true;
+}
+
+static bool set_quiet(struct options *options, const char *value, struct mns_message *message)
+{
+    (void)value;
+    (void)message;
+    return options->quiet = true;
+}
+
+static bool set_verbose(struct options *options, const char *value, struct mns_message *message)
+{
+    (void)value;
+    (void)message;
+    return options->verbose = true;
+}
+
+static bool set_repeat(struct options *options, const char *value, struct mns_message *message)
+{
+    return parse_count(value, 1, 1000000, &options->repeat) || refuse(message, "'%s' must be a whole number from 1 to 1000000", value);
+}
+
+static bool set_warmup(struct options *options, const char *value, struct mns_message *message)
+{
+    return parse_count(value, 0, 1000000, &options->warmup) || refuse(message, "'%s' must be a whole number from 0 to 1000000", value);
+}
+
+/* 1000, 100k, 10M. */
+static bool set_particles(struct options *options, const char *value, struct mns_message *message)
+{
+    static const long long most = 4294967231LL; /* 2^32 - 65, as in meniscus/particles.h */
+    const char *end;
+    bool good = parse_whole(value, 1, most, &options->particles, &end);
+    long long unit = good && *end == 'k' ? 1000 : good && *end == 'M' ? 1000000 : 1;
+    good = good && !end[unit > 1] && options->particles <= most / unit;
+    options->particles *= unit;
+    return good || refuse(message, "'%s' must be a whole number from 1 to %lld, such as 1000, 100k or 10M", value, most);
+}
+
+/* ---- the table ---- */
+
+enum {
+    DRAWS = COMMAND_RENDER | COMMAND_BENCH,
+    READS = COMMAND_RENDER | COMMAND_BENCH | COMMAND_INFO,
+    ALL = COMMAND_RENDER | COMMAND_BENCH | COMMAND_INFO | COMMAND_SAMPLE
+};
+
+const struct option_row option_table[] = {
+    {"--output", 'o', "OUTPUT", COMMAND_RENDER, NULL, set_output,
+     "the picture: .png or .npy; for several frames a pattern such as out_%04d.png, numbered as the inputs are; - for standard output"},
+    {"--output", 'o', "FILE", COMMAND_SAMPLE, NULL, set_output, "the particles: .npz (all attributes) or .npy (positions)"},
+    {"--output-format", 0, "FORMAT", COMMAND_RENDER, NULL, set_output_format, "of standard output: png or rgba (bytes, row by row)"},
+    {"--particles", 0, "N", COMMAND_SAMPLE, NULL, set_particles, "how many particles: 1000, 100k, 10M"},
+
+    {"--size", 0, "WxH", DRAWS, NULL, set_size, "pixels of the picture (1920x1080)"},
+    {"--eye", 0, "X,Y,Z", DRAWS, NULL, set_eye, "where the camera stands; what is left out is framed from the particles"},
+    {"--target", 0, "X,Y,Z", DRAWS, NULL, set_target, "what it looks at"},
+    {"--up", 0, "X,Y,Z", DRAWS, NULL, set_up, "which way is up in the picture (the up axis)"},
+    {"--fov", 0, "DEG", DRAWS, NULL, set_fov, "vertical field of view (45)"},
+    {"--orthographic", 0, "HEIGHT", DRAWS, NULL, set_orthographic, "parallel projection of this height in metres"},
+    {"--orbit", 0, "DEG", DRAWS, NULL, set_orbit, "turn the camera about the up axis by so many degrees per frame"},
+    {"--camera", 0, "FILE.json", DRAWS, NULL, set_camera, "a camera: eye, target, up, fov, orthographic, near, far; options go before it"},
+    {"--up-axis", 0, "AXIS", DRAWS, "up_axis", NULL, "x, y or z: which world axis is up (y)"},
+
+    {"--radius", 0, "R", DRAWS, "radius", NULL, "particle radius, half the rest spacing (from the file, else estimated)"},
+    {"--radius-scale", 0, "S", DRAWS, "radius_scale", NULL, "splat radius over particle radius (1.2)"},
+    {"--attribute", 0, "ROLE=NAME", READS, NULL, set_attribute, "which attribute is velocity, density, radius, mass, id, color"},
+    {"--where", 0, "EXPR", READS, NULL, set_where, "which particles: 'type==0 && density>200'"},
+    {"--format", 0, "NAME", READS, NULL, set_format, "format of the inputs, for standard input (-)"},
+
+    {"--filter", 0, "NAME", DRAWS, "filter", NULL, "none, narrow-range, narrow-range-1d, narrow-range-1d-cleanup"},
+    {"--iterations", 0, "N", DRAWS, "iterations", NULL, "how often it smooths"},
+    {"--sigma", 0, "S", DRAWS, "sigma", NULL, "sigma of its kernel, in splat radii"},
+    {"--delta", 0, "D", DRAWS, "delta", NULL, "depth range that is smoothed together, in splat radii"},
+    {"--mu", 0, "M", DRAWS, "mu", NULL, "where what lies beyond counts, in splat radii"},
+
+    {"--display", 0, "MODE", DRAWS, "display", NULL, "beauty, opaque, spheres, normal, depth, thickness, curvature"},
+    {"--layer", 0, "NAME=FILE", COMMAND_RENDER, NULL, set_layer, "save a layer as .npy (a pattern in a sequence); repeatable"},
+    {"--floor", 0, "on|off", DRAWS, "floor", NULL, "draw a floor (on)"},
+    {"--sun", 0, "AZ,EL", DRAWS, NULL, set_sun, "where the sun stands, degrees about the up axis and above the horizon"},
+    {"--exposure", 0, "EV", DRAWS, "exposure", NULL, "the picture's light times 2^EV"},
+    {"--background", 0, "COLOR", DRAWS, NULL, set_background, "sky, transparent, or RRGGBB"},
+    {"--set", 0, "NAME=VALUE", DRAWS, NULL, set_parameter, "any parameter of the list below; repeatable"},
+    {"--look", 0, "FILE.json", DRAWS, NULL, set_look, "parameters from a file; options go before it; repeatable"},
+    {"--save-look", 0, "FILE.json", DRAWS, NULL, set_save_look, "save the parameters that differ from the defaults"},
+
+    {"--frames", 0, "A:B:STEP", COMMAND_RENDER, NULL, set_frames, "which frames, by the numbers in the file names, inclusive"},
+    {"--resume", 0, NULL, COMMAND_RENDER, NULL, set_resume, "skip pictures that are there"},
+    {"--keep-going", 0, NULL, COMMAND_RENDER, NULL, set_keep_going, "skip and count frames that cannot be read"},
+
+    {"--backend", 0, "NAME", DRAWS, NULL, set_backend, "auto or cpu"},
+    {"--threads", 0, "N", DRAWS, NULL, set_threads, "threads (all the processors this process may use)"},
+    {"--isa", 0, "NAME", DRAWS, NULL, set_isa, "scalar, sse2, avx2, avx512 or neon (the best there is)"},
+    {"--repeat", 0, "N", COMMAND_BENCH, NULL, set_repeat, "frames to measure (20)"},
+    {"--warmup", 0, "N", COMMAND_BENCH, NULL, set_warmup, "frames before that (3)"},
+    {"--stats", 0, "FILE.json", COMMAND_RENDER, NULL, set_stats, "per frame and stage: milliseconds, particles, pixels, bytes; peak memory"},
+    {"--json", 0, NULL, COMMAND_INFO | COMMAND_BENCH, NULL, set_json, "for programs"},
+    {"--quiet", 'q', NULL, ALL, NULL, set_quiet, "no warnings, no progress"},
+    {"--verbose", 'v', NULL, COMMAND_RENDER | COMMAND_BENCH, NULL, set_verbose, "tell what is done"},
+    {"--help", 'h', NULL, ALL, NULL, set_help, "this text"},
+    {NULL, 0, NULL, 0, NULL, NULL, NULL},
+};
+
+bool option_apply(struct options *options, const struct option_row *row, const char *value, struct mns_message *message)
+{
+    return row->param ? add_setting(options, row->param, value, message) : row->apply(options, value, message);
+}
+
+const char *option_command_name(enum command command)
+{
+    return command == COMMAND_RENDER ? "render" : command == COMMAND_INFO ? "info" : command == COMMAND_BENCH ? "bench" : "sample";
+}

@@ -1,0 +1,89 @@
+/* options.h: the command line as a struct. One table of options feeds parsing, help and docs/options.md. */
+#ifndef MENISCUS_OPTIONS_H
+#define MENISCUS_OPTIONS_H
+
+#include <meniscus/io.h>
+#include <meniscus/meniscus.h>
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdio.h>
+
+enum command { COMMAND_RENDER = 1, COMMAND_INFO = 2, COMMAND_BENCH = 4, COMMAND_SAMPLE = 8 };
+
+struct setting {
+    const char *name;
+    const char *value;
+};
+
+struct layer_file {
+    enum mns_layer layer;
+    const char *path; /* or a pattern */
+};
+
+struct camera_options {
+    bool has_eye, has_target, has_up, has_fov;
+    double eye[3], target[3], up[3]; /* metres; where given */
+    double fov;                      /* degrees */
+    double orthographic;             /* metres from bottom to top; 0: a perspective */
+    double near_plane, far_plane;    /* metres; 0: from the particles */
+    double orbit;                    /* degrees per frame about the up axis */
+};
+
+struct options {
+    enum command command;
+    bool help;
+    char sun[32]; /* the azimuth of --sun, which a setting points to */
+
+    const char **inputs; /* [input_count] as given */
+    size_t input_count;
+    const char *format;  /* of the inputs; NULL: told from content */
+    const char **roles;  /* [role_count] "ROLE=NAME" */
+    size_t role_count;
+    const char *where;
+
+    const char *output, *output_format;
+    struct layer_file layers[MNS_LAYER_COUNT];
+    size_t layer_count;
+
+    bool has_size;
+    int width, height; /* pixels */
+    struct camera_options camera;
+    const char *camera_file;
+
+    struct setting *settings; /* [setting_count] in the order given; the last of a name wins */
+    size_t setting_count;
+    const char **looks; /* [look_count], read before the settings */
+    size_t look_count;
+    const char *save_look;
+    struct mns_params params; /* looks and settings applied */
+
+    bool has_first, has_last;
+    long long first, last, step; /* frame numbers, inclusive */
+    bool resume, keep_going;
+
+    enum mns_backend backend;
+    enum mns_isa isa;
+    int threads; /* 0: all */
+
+    const char *stats;
+    bool json, quiet, verbose;
+    long long repeat, warmup; /* frames */
+    long long particles;
+};
+
+/* Parses what follows the command's name. Returns STATUS_DONE, or STATUS_USAGE or STATUS_FAILED after telling why.
+ * options_free may always be called. */
+int options_parse(struct options *options, enum command command, int count, char **arguments);
+void options_free(struct options *options);
+
+/* Sets a parameter after the command line's (from a case file), unless the command line or a look set it. */
+bool options_has_setting(const struct options *options, const char *name);
+
+/* The usage, options and parameters of a command. */
+void options_help(FILE *out, enum command command);
+
+/* docs/options.md. */
+void options_markdown(FILE *out);
+
+#endif

@@ -1,0 +1,177 @@
+/* outputs.c: the images of a frame: their memory, names and files. */
+#include "outputs.h"
+
+#include "program.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+static bool has_extension(const char *path, const char *extension)
+{
+    const char *dot = strrchr(path, '.');
+    return dot && !strchr(dot, '/') && !strcmp(dot + 1, extension);
+}
+
+static int check_extension(const char *path)
+{
+    for (size_t i = 0; mns_image_write_format(i); i++) {
+        if (has_extension(path, mns_image_write_format(i))) {
+            return STATUS_DONE;
+        }
+    }
+    char list[64] = "";
+    for (size_t i = 0; mns_image_write_format(i) && strlen(list) < 32; i++) {
+        size_t used = strlen(list);
+        snprintf(list + used, sizeof(list) - used, "%s.%s", used ? " and " : "", mns_image_write_format(i));
+    }
+    return program_usage("%s: this build writes %s", path, list);
+}
+
+static int check_name(const char *path, size_t frames)
+{
+    if (frames > 1 && !pattern_is(path)) {
+        return program_usage("%s: %zu frames need a pattern for their numbers, such as out_%%04d%s", path, frames,
+                             strrchr(path, '.') ? strrchr(path, '.') : "");
+    }
+    return STATUS_DONE;
+}
+
+/* An output that would replace its own input is a slip. */
+static int check_overwrite(const char *pattern, const struct inputs *inputs)
+{
+    for (size_t i = 0; i < inputs->count; i++) {
+        struct stat in, out;
+        char *name = pattern_name(pattern, inputs->list[i].number);
+        bool same = name && stat(name, &out) == 0 && stat(inputs->list[i].path, &in) == 0 && S_ISREG(in.st_mode) && in.st_dev == out.st_dev &&
+                    in.st_ino == out.st_ino;
+        free(name);
+        if (same) {
+            return program_usage("%s: is an input; choose another name for the output", inputs->list[i].path);
+        }
+    }
+    return STATUS_DONE;
+}
+
+static int add(struct outputs *outputs, const struct options *options, enum mns_layer layer, enum output_kind kind, const char *pattern)
+{
+    struct mns_image *image = &outputs->images[outputs->count].image;
+    bool float_image = kind == OUTPUT_FILE && has_extension(pattern, "npy");
+    bool opaque = options->params.background != MNS_BACKGROUND_TRANSPARENT;
+    *image = (struct mns_image){.width = options->width, .height = options->height, .channels = mns_layer_channels(layer)};
+    image->pixel = float_image ? MNS_PIXEL_F32 : MNS_PIXEL_U8;
+    if (layer == MNS_LAYER_BEAUTY && !float_image && kind != OUTPUT_STREAM_RGBA && opaque) {
+        image->channels = 3;
+    }
+    size_t bytes = (size_t)image->width * (size_t)image->height * (size_t)image->channels * (float_image ? 4 : 1);
+    image->data = malloc(bytes);
+    outputs->images[outputs->count].layer = layer;
+    outputs->list[outputs->count++] = (struct output){.kind = kind, .pattern = pattern};
+    return image->data ? STATUS_DONE : program_fail("%s: out of memory for %dx%d pixels", pattern, image->width, image->height);
+}
+
+static int plan_stream(struct outputs *outputs, const struct options *options)
+{
+    const char *format = options->output_format ? options->output_format : "png";
+    if (program_output_is_terminal()) {
+        return program_usage("-: a picture is not written to a terminal; redirect standard output");
+    }
+    return add(outputs, options, MNS_LAYER_BEAUTY, !strcmp(format, "rgba") ? OUTPUT_STREAM_RGBA : OUTPUT_STREAM_PNG, "-");
+}
+
+static int plan_file(struct outputs *outputs, const struct options *options, const struct inputs *inputs, size_t frames, enum mns_layer layer,
+                     const char *pattern)
+{
+    int status = check_extension(pattern);
+    status = status == STATUS_DONE ? check_name(pattern, frames) : status;
+    status = status == STATUS_DONE ? check_overwrite(pattern, inputs) : status;
+    for (size_t i = 0; status == STATUS_DONE && i < outputs->count; i++) {
+        if (!strcmp(outputs->list[i].pattern, pattern)) {
+            status = program_usage("%s: is named for two outputs", pattern);
+        } else if (outputs->images[i].layer == layer) {
+            status = program_usage("layer %s is what -o writes already", mns_layer_name(layer));
+        }
+    }
+    return status == STATUS_DONE ? add(outputs, options, layer, OUTPUT_FILE, pattern) : status;
+}
+
+int outputs_plan(struct outputs *outputs, const struct options *options, const struct inputs *inputs, size_t frames)
+{
+    *outputs = (struct outputs){.count = 0};
+    int status = STATUS_DONE;
+    if (!options->output && !options->layer_count) {
+        return program_usage("render needs an output: -o OUTPUT or --layer NAME=FILE");
+    }
+    if (options->output_format && (!options->output || strcmp(options->output, "-") != 0)) {
+        return program_usage("--output-format is for standard output: -o -");
+    }
+    if (options->output && !strcmp(options->output, "-")) {
+        status = plan_stream(outputs, options);
+    } else if (options->output) {
+        status = plan_file(outputs, options, inputs, frames, MNS_LAYER_BEAUTY, options->output);
+    }
+    for (size_t i = 0; status == STATUS_DONE && i < options->layer_count; i++) {
+        status = plan_file(outputs, options, inputs, frames, options->layers[i].layer, options->layers[i].path);
+    }
+    return status;
+}
+
+void outputs_free(struct outputs *outputs)
+{
+    for (size_t i = 0; i < outputs->count; i++) {
+        free(outputs->images[i].image.data);
+    }
+    outputs->count = 0;
+}
+
+bool outputs_exist(const struct outputs *outputs, long long number)
+{
+    for (size_t i = 0; i < outputs->count; i++) {
+        struct stat file;
+        char *name = pattern_name(outputs->list[i].pattern, number);
+        bool exists = name && outputs->list[i].kind == OUTPUT_FILE && stat(name, &file) == 0 && S_ISREG(file.st_mode);
+        free(name);
+        if (!exists) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static int write_stream(const struct output *output, const struct mns_image *image)
+{
+    void *data = image->data;
+    size_t size = (size_t)image->width * (size_t)image->height * (size_t)image->channels;
+    struct mns_message message;
+    bool encode = output->kind == OUTPUT_STREAM_PNG;
+    if (encode && mns_image_encode("png", image, &data, &size, &message) != MNS_OK) {
+        return program_fail("standard output: %s", message.text);
+    }
+    bool good = program_print(data, size) && program_flush();
+    if (encode) {
+        mns_memory_free(data);
+    }
+    return good ? STATUS_DONE : STATUS_FAILED;
+}
+
+int outputs_write(const struct outputs *outputs, long long number)
+{
+    int status = STATUS_DONE;
+    for (size_t i = 0; status == STATUS_DONE && i < outputs->count; i++) {
+        const struct output *output = &outputs->list[i];
+        const struct mns_image *image = &outputs->images[i].image;
+        if (output->kind != OUTPUT_FILE) {
+            status = write_stream(output, image);
+            continue;
+        }
+        struct mns_message message;
+        char *name = pattern_name(output->pattern, number);
+        if (!name) {
+            status = program_fail("%s: out of memory", output->pattern);
+        } else if (mns_image_write(name, image, &message) != MNS_OK) {
+            status = program_fail("%s", message.text);
+        }
+        free(name);
+    }
+    return status;
+}

@@ -1,0 +1,185 @@
+/* program.c: messages, signals and files of the program (POSIX). */
+#include "program.h"
+
+#include "progress.h"
+
+#include <errno.h>
+#include <signal.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <time.h>
+#include <unistd.h>
+
+static void print_line(const char *kind, const char *format, va_list arguments)
+{
+    progress_clear();
+    fprintf(stderr, "meniscus: %s", kind);
+    vfprintf(stderr, format, arguments);
+    fputc('\n', stderr);
+}
+
+int program_fail(const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    print_line("", format, arguments);
+    va_end(arguments);
+    return STATUS_FAILED;
+}
+
+int program_usage(const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    print_line("", format, arguments);
+    va_end(arguments);
+    return STATUS_USAGE;
+}
+
+void program_warn(const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    print_line("warning: ", format, arguments);
+    va_end(arguments);
+}
+
+void program_say(const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    print_line("", format, arguments);
+    va_end(arguments);
+}
+
+static volatile sig_atomic_t caught; /* a signal handler can reach nothing else */
+
+static void note(int number)
+{
+    caught = number;
+}
+
+static void catch_unless_ignored(int number, const struct sigaction *action)
+{
+    struct sigaction before;
+    if (sigaction(number, NULL, &before) == 0 && before.sa_handler != SIG_IGN) { /* as nohup asks */
+        sigaction(number, action, NULL);
+    }
+}
+
+void program_catch_signals(void)
+{
+    struct sigaction action;
+    memset(&action, 0, sizeof(action));
+    sigemptyset(&action.sa_mask);
+    action.sa_handler = note;
+    action.sa_flags = (int)(SA_RESTART | SA_RESETHAND);
+    catch_unless_ignored(SIGINT, &action);
+    catch_unless_ignored(SIGTERM, &action);
+    action.sa_handler = SIG_IGN;
+    action.sa_flags = 0;
+    sigaction(SIGPIPE, &action, NULL);
+    sigaction(SIGXFSZ, &action, NULL);
+}
+
+int program_signal(void)
+{
+    return (int)caught;
+}
+
+bool program_error_is_terminal(void)
+{
+    return isatty(STDERR_FILENO);
+}
+
+bool program_output_is_terminal(void)
+{
+    return isatty(STDOUT_FILENO);
+}
+
+double program_peak_memory(void)
+{
+    struct rusage usage;
+    if (getrusage(RUSAGE_SELF, &usage) != 0) {
+        return 0;
+    }
+#ifdef __APPLE__
+    return (double)usage.ru_maxrss; /* bytes there, kilobytes elsewhere */
+#else
+    return (double)usage.ru_maxrss * 1024;
+#endif
+}
+
+double program_seconds(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+static bool fail_output(int error)
+{
+    program_fail("standard output: cannot be written: %s", strerror(error ? error : EIO));
+    return false;
+}
+
+bool program_print(const void *data, size_t size)
+{
+    errno = 0;
+    return fwrite(data, 1, size, stdout) == size || fail_output(errno);
+}
+
+bool program_flush(void)
+{
+    errno = 0;
+    return (fflush(stdout) == 0 && !ferror(stdout)) || fail_output(errno);
+}
+
+/* Fills the open file and closes it; 0 or an errno. */
+static int fill(FILE *file, const char *text)
+{
+    errno = 0;
+    int error = fputs(text, file) == EOF ? errno : 0;
+    if (fclose(file) != 0 && !error) {
+        error = errno ? errno : EIO;
+    }
+    return error;
+}
+
+static int fail_file(const char *path, int error)
+{
+    return program_fail("%s: cannot be written: %s", path, strerror(error));
+}
+
+int program_write_file(const char *path, const char *text)
+{
+    if (!strcmp(path, "-")) {
+        return program_print(text, strlen(text)) && program_flush() ? STATUS_DONE : STATUS_FAILED;
+    }
+    struct stat status;
+    if (stat(path, &status) == 0 && !S_ISREG(status.st_mode)) { /* a device or a pipe; a folder fails to open */
+        FILE *file = fopen(path, "w");
+        int error = file ? fill(file, text) : errno;
+        return error ? fail_file(path, error) : STATUS_DONE;
+    }
+    size_t size = strlen(path) + 32;
+    char *beside = malloc(size);
+    if (!beside) {
+        return program_fail("%s: out of memory", path);
+    }
+    snprintf(beside, size, "%s.tmp-%ld", path, (long)getpid());
+    FILE *file = fopen(beside, "wx");
+    int error = file ? fill(file, text) : errno;
+    if (!error && rename(beside, path) != 0) {
+        error = errno;
+    }
+    if (error && file) {
+        remove(beside);
+    }
+    free(beside);
+    return error ? fail_file(path, error) : STATUS_DONE;
+}

@@ -1,0 +1,40 @@
+/* progress.c: a bar with rate and time left on standard error. */
+#include "progress.h"
+
+#include "program.h"
+
+#include <stdio.h>
+
+enum { CELLS = 24 };
+
+static bool on_screen; /* of the one standard error there is */
+
+void progress_begin(struct progress *progress, size_t total, bool quiet)
+{
+    *progress = (struct progress){.total = total, .start = program_seconds()};
+    progress->shown = !quiet && total > 1 && program_error_is_terminal();
+}
+
+void progress_step(struct progress *progress, const char *what)
+{
+    progress->done++;
+    if (!progress->shown) {
+        return;
+    }
+    double seconds = program_seconds() - progress->start;
+    double rate = seconds > 0 ? (double)progress->done / seconds : 0;
+    size_t left = rate > 0 ? (size_t)((double)(progress->total - progress->done) / rate + 0.5) : 0;
+    int filled = (int)(CELLS * progress->done / progress->total);
+    fprintf(stderr, "\r\x1b[K[%.*s%.*s] %zu/%zu  %.1f/s  %zu:%02zu left  %s", filled, "########################", CELLS - filled,
+            "........................", progress->done, progress->total, rate, left / 60, left % 60, what);
+    fflush(stderr);
+    on_screen = true;
+}
+
+void progress_clear(void)
+{
+    if (on_screen) {
+        fputs("\r\x1b[K", stderr);
+        on_screen = false;
+    }
+}

@@ -1,0 +1,81 @@
+/* view.c: the camera of a frame, from the options and from where the fluid is. */
+#include "view.h"
+
+#include "program.h"
+
+#include <math.h>
+#include <string.h>
+
+static const double DEGREE = 3.14159265358979323846 / 180;
+
+static void eye_of(const struct mns_camera *camera, double out[3])
+{
+    const double *v = camera->view;
+    for (int i = 0; i < 3; i++) { /* view = [R t], eye = -R^T t */
+        out[i] = -(v[4 * i] * v[12] + v[4 * i + 1] * v[13] + v[4 * i + 2] * v[14]);
+    }
+}
+
+/* Turns v about a unit axis of the world. */
+static void turn(double v[3], int axis, double angle)
+{
+    int a = (axis + 1) % 3, b = (axis + 2) % 3;
+    double c = cos(angle), s = sin(angle), x = v[a], y = v[b];
+    v[a] = c * x - s * y;
+    v[b] = s * x + c * y;
+}
+
+/* Near and far around all particles: no nearer than a thousandth of the distance, since depth is float32. */
+static void depth_range(const struct survey *survey, const double eye[3], double *near_plane, double *far_plane)
+{
+    double distance = 0, half_diagonal = 0;
+    for (int i = 0; i < 3; i++) {
+        double away = eye[i] - 0.5 * (survey->bounds_min[i] + survey->bounds_max[i]);
+        double half = 0.5 * (survey->bounds_max[i] - survey->bounds_min[i]) + 2 * survey->radius;
+        distance += away * away;
+        half_diagonal += half * half;
+    }
+    distance = sqrt(distance);
+    half_diagonal = half_diagonal > 0 ? sqrt(half_diagonal) : 1;
+    *near_plane = fmax(distance - 2 * half_diagonal, 1e-3 * fmax(distance, half_diagonal));
+    *far_plane = 1e3 * (distance + half_diagonal);
+}
+
+static int fail_view(void)
+{
+    return program_usage("the camera cannot be set so: --eye and --target must differ, and all its numbers must be finite");
+}
+
+int view_camera(struct mns_camera *camera, const struct options *options, const struct survey *survey, double index)
+{
+    const struct camera_options *wanted = &options->camera;
+    int up_axis = options->params.up_axis;
+    double eye[3], target[3], up[3] = {0}, near_plane, far_plane;
+    mns_camera_init(camera, options->width, options->height);
+    if (mns_camera_frame(camera, survey->inner_min, survey->inner_max, survey->radius, up_axis, wanted->orthographic > 0 ? 0 : wanted->fov) !=
+        MNS_OK) {
+        return fail_view();
+    }
+    eye_of(camera, eye);
+    up[up_axis] = 1;
+    for (int i = 0; i < 3; i++) {
+        double center = 0.5 * (survey->inner_min[i] + survey->inner_max[i]);
+        target[i] = wanted->has_target ? wanted->target[i] : center;
+        eye[i] = wanted->has_eye ? wanted->eye[i] : eye[i] - center + target[i];
+        up[i] = wanted->has_up ? wanted->up[i] : up[i];
+    }
+    double away[3] = {eye[0] - target[0], eye[1] - target[1], eye[2] - target[2]};
+    turn(away, up_axis, fmod(wanted->orbit * index, 360) * DEGREE);
+    for (int i = 0; i < 3; i++) {
+        eye[i] = target[i] + away[i];
+    }
+    depth_range(survey, eye, &near_plane, &far_plane);
+    near_plane = wanted->near_plane > 0 ? wanted->near_plane : near_plane;
+    far_plane = wanted->far_plane > 0 ? wanted->far_plane : fmax(far_plane, 10 * near_plane);
+    mns_result result = mns_camera_look_at(camera, eye, target, up);
+    if (result == MNS_OK) {
+        result = wanted->orthographic > 0 ? mns_camera_orthographic(camera, wanted->orthographic, near_plane, far_plane)
+                                          : mns_camera_perspective(camera, wanted->fov, near_plane, far_plane);
+    }
+    return result == MNS_OK ? STATUS_DONE : fail_view();
+}

@@ -1,0 +1,72 @@
+#!/bin/sh
+# What files hold, and every kind of file that cannot be read.
+. "$(dirname "$0")/common.sh"
+
+printf 'x,y,z,rho,gid\n0,0,0,1000,7\n1,0,0,900,8\n0,2,0,nan,9\n0,0,3,1000,10\n' >four.csv
+ok info four.csv
+prints '^four.csv$'
+prints 'particles   4$'
+prints 'bounds      0 0 0 to 1 2 3$'
+prints 'rho (used as density)'
+ok info --json four.csv
+prints '"path":	"four.csv"'
+prints '"format":	"csv"'
+prints '"particles":	4'
+prints '"name":	"gid"'
+ok info four.csv --where 'rho>950'
+prints 'particles   2 of 4$'
+refuses 1 'four.csv: ' info four.csv --where 'rho>>950'
+refuses 1 'four.csv: ' info four.csv --where 'no_such>1'
+refuses 1 'four.csv: ' info four.csv --attribute velocity=no_such
+
+# Standard input.
+"$program" info - --format csv <four.csv >.out 2>.err || complain "info -: status $?"
+prints 'particles   4$'
+"$program" info - --json <four.csv >.out 2>.err || complain "info - without --format: status $?"
+
+# Positions that are not finite.
+printf '0 0 0\n1 nan 0\n0 1 1\n' >holes.xyz
+warns 'holes.xyz: ' info holes.xyz
+prints 'particles   2 of 3'
+ok info --quiet holes.xyz
+
+# Directories, patterns, several files.
+mkdir series mixed empty
+for i in 1 2 10; do cp four.csv series/frame_$i.csv; done
+cp series/* mixed
+cp four.csv mixed/other_1.csv
+ok info series
+[ "$(grep -c '^series/' .out)" = 3 ] || complain "a series of 3: $(cat .out)"
+[ "$(grep '^series/' .out | sed -n 2p)" = series/frame_2.csv ] || complain "not sorted by number: $(cat .out)"
+ok info series/frame_%d.csv
+[ "$(grep -c '^series/' .out)" = 3 ] || complain "a pattern of 3: $(cat .out)"
+refuses 1 'no file matches' info series/frame_%03d.csv
+refuses 1 'no file matches' info series/%d.csv
+refuses 2 'holds 2 series: frame_*.csv (3), other_1.csv (1)' info mixed
+refuses 1 'holds no particle files' info empty
+refuses 1 'missing: cannot be opened: No such file' info missing
+refuses 2 'is empty' info ''
+
+# Bad files.
+"$program" sample block --particles 1000 -o good.npy
+"$program" sample block --particles 1000 -o good.npz
+: >nothing.npy
+head -c 100 good.npy >short_head.npy
+head -c 5000 good.npy >short.npy
+head -c 5000 good.npz >short.npz
+printf 'This is a letter, not a particle file.\n' >letter.txt
+printf 'This is a letter, not a particle file.\n' >letter.npy
+head -c 4096 /dev/zero >zeros.bgeo
+sed 's/(1000, 3)/(9999999999999, 3)/' good.npy >huge.npy
+printf 'a,b,c\n1,2,3\n' >no_positions.csv
+for file in nothing.npy short_head.npy short.npy short.npz letter.txt letter.npy zeros.bgeo huge.npy no_positions.csv; do
+    refuses 1 "$file: " info $file
+    refuses 1 "$file: " render $file -o picture.png
+done
+missing picture.png
+if [ "$(id -u)" != 0 ]; then
+    cp good.npy locked.npy
+    chmod 0 locked.npy
+    refuses 1 'locked.npy: cannot be opened: Permission denied' info locked.npy
+fi
+done_testing
