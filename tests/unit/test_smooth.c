@@ -52,10 +52,8 @@ static struct fixture *fixture_create(int width, int height, enum mns_isa isa, i
     fixture->smooth = *mns_kernels_get(isa)->smooth;
     fixture->kernels.smooth = &fixture->smooth;
     fixture->cpu.kernels = &fixture->kernels;
-    fixture->cpu.host = (struct backend_host){.memory = &fixture->memory,
-                                              .parallel = {run_jobs, fixture->pool},
-                                              .threads = threads,
-                                              .message = &fixture->message};
+    fixture->cpu.host = (struct backend_host){
+        .memory = &fixture->memory, .parallel = {run_jobs, fixture->pool}, .threads = threads, .message = &fixture->message};
     mns_params_init(&fixture->frame.params);
     fixture->frame.splat_radius = R;
     fixture->frame.view = (struct view){.width = width, .height = height, .fx = FOCAL, .fy = FOCAL};
@@ -484,7 +482,8 @@ static void test_instruction_sets_agree(void **state)
 {
     (void)state;
     for (int isa = MNS_ISA_SSE2; isa <= MNS_ISA_NEON; isa++) {
-        for (int filter = MNS_FILTER_NARROW_RANGE; mns_kernels_get((enum mns_isa)isa) && filter <= MNS_FILTER_NARROW_RANGE_1D_CLEANUP; filter++) {
+        for (int filter = MNS_FILTER_NARROW_RANGE; mns_kernels_get((enum mns_isa)isa) && filter <= MNS_FILTER_NARROW_RANGE_1D_CLEANUP;
+             filter++) {
             struct fixture *a = fixture_create(200, 120, MNS_ISA_SCALAR, 2), *b = fixture_create(200, 120, (enum mns_isa)isa, 2);
             a->frame.params.filter = b->frame.params.filter = filter;
             fill(a, splashes);

@@ -3,6 +3,8 @@
  * Based on: [TY18] Truong, Yuksel, "A Narrow-Range Filter for Screen-Space Fluid Rendering", 2018. */
 #include "cpu/smooth.h"
 
+#include <math.h>
+
 /* What a sample's depth, relative to the pixel's, may be: eq. 7 with -near for delta_high and far for delta_low. */
 struct bounds {
     float near, far;
@@ -12,14 +14,14 @@ struct bounds {
 static struct bounds bounds_start(const struct narrow_range *filter, float depth)
 {
     float floor = -0.999999f * depth;
-    return (struct bounds){.near = fmaxf(-filter->delta, floor), .far = filter->delta, .floor = floor};
+    return (struct bounds){.near = greater(-filter->delta, floor), .far = filter->delta, .floor = floor};
 }
 
 /* Eq. 8, 9: a sample in range widens it. */
 static void bounds_widen(const struct narrow_range *filter, struct bounds *bounds, float sample)
 {
-    bounds->near = fmaxf(fminf(bounds->near, sample - filter->grow), bounds->floor);
-    bounds->far = fmaxf(bounds->far, sample + filter->grow);
+    bounds->near = greater(lesser(bounds->near, sample - filter->grow), bounds->floor);
+    bounds->far = greater(bounds->far, sample + filter->grow);
 }
 
 /* The numerator and the denominator of eq. 1. */
@@ -75,7 +77,7 @@ static float line_pixel(const struct narrow_range *filter, const float *in, ptrd
     struct gaussian g = gaussian_start(narrow_range_sigma(filter, axis, depth));
     for (ptrdiff_t i = 1; i <= reach; i++, gaussian_step(&g)) {
         float a = in[i * step] - depth, b = in[-i * step] - depth;
-        mean_add(filter, &mean, fmaxf(g.weight - filter->weight_cut, 0), a, &ahead, b, &behind);
+        mean_add(filter, &mean, greater(g.weight - filter->weight_cut, 0), a, &ahead, b, &behind);
         if (in_range(&ahead, a)) {
             bounds_widen(filter, &ahead, a);
         }
@@ -92,7 +94,7 @@ static float line_plain_pixel(const struct narrow_range *filter, const float *in
     int reach = narrow_range_reach(filter, axis, *in);
     struct gaussian g = gaussian_start(narrow_range_sigma(filter, axis, *in));
     for (ptrdiff_t i = 1; i <= reach; i++, gaussian_step(&g)) {
-        float weight = fmaxf(g.weight - filter->weight_cut, 0);
+        float weight = greater(g.weight - filter->weight_cut, 0);
         mean.sum += weight * ((in[i * step] - *in) + (in[-i * step] - *in));
         mean.weights += 2 * weight;
     }
@@ -148,11 +150,11 @@ static float disc_pixel(const struct narrow_range *filter, const float *in, ptrd
     struct disc disc = disc_start(filter, *in, 1 - filter->weight_cut);
     for (int ring = 1; ring <= reach; ring++) {
         for (int x = -ring; x <= ring; x++) { /* its lower and upper side */
-            float weight = fmaxf(along_x[x < 0 ? -x : x] * along_y[ring] - filter->weight_cut, 0);
+            float weight = greater(along_x[x < 0 ? -x : x] * along_y[ring] - filter->weight_cut, 0);
             disc_add(filter, &disc, weight, in[ring * stride + x], in[-ring * stride - x]);
         }
         for (int y = 1 - ring; y < ring; y++) { /* its right and left side */
-            float weight = fmaxf(along_x[ring] * along_y[y < 0 ? -y : y] - filter->weight_cut, 0);
+            float weight = greater(along_x[ring] * along_y[y < 0 ? -y : y] - filter->weight_cut, 0);
             disc_add(filter, &disc, weight, in[y * stride + ring], in[-y * stride - ring]);
         }
         disc.bounds = disc.next;
@@ -179,47 +181,43 @@ static float square_pixel(const struct narrow_range *filter, const float *in, pt
 typedef float pixel_function(const struct narrow_range *filter, const float *in, ptrdiff_t step, int axis);
 
 /* step: from tap to tap, or from row to row. */
-static struct depth_range block(const struct narrow_range *filter, const float *in, float *out, ptrdiff_t stride, ptrdiff_t step, int axis,
-                                pixel_function *pixel)
+static struct depth_range each_pixel(const struct narrow_range *filter, const struct depth_block *block, ptrdiff_t step, int axis,
+                                     pixel_function *pixel)
 {
     struct depth_range range = {DEPTH_EMPTY, 0};
-    for (int y = 0; y < BLOCK_HEIGHT; y++, in += stride, out += stride) {
+    const float *in = block->in;
+    float *out = block->out;
+    for (int y = 0; y < BLOCK_HEIGHT; y++, in += block->stride, out += block->stride) {
         for (int x = 0; x < BLOCK_WIDTH; x++) {
             bool fluid = in[x] > 0 && in[x] < DEPTH_LIMIT;
             out[x] = fluid ? pixel(filter, in + x, step, axis) : in[x];
-            range.min = in[x] > 0 ? fminf(range.min, out[x]) : range.min;
-            range.max = fmaxf(range.max, out[x]);
+            range.min = in[x] > 0 ? lesser(range.min, out[x]) : range.min;
+            range.max = greater(range.max, out[x]);
         }
     }
     return range;
 }
 
-static ptrdiff_t tap_step(ptrdiff_t stride, int axis) { return axis == AXIS_X ? 1 : stride; }
-
-static struct depth_range line(const struct narrow_range *filter, const float *in, float *out, ptrdiff_t stride, int axis)
+static struct depth_range line(const struct narrow_range *filter, const struct depth_block *block, int axis)
 {
-    return block(filter, in, out, stride, tap_step(stride, axis), axis, line_pixel);
+    return each_pixel(filter, block, axis == AXIS_X ? 1 : block->stride, axis, line_pixel);
 }
 
-static struct depth_range line_plain(const struct narrow_range *filter, const float *in, float *out, ptrdiff_t stride, int axis)
+static struct depth_range line_plain(const struct narrow_range *filter, const struct depth_block *block, int axis)
 {
-    return block(filter, in, out, stride, tap_step(stride, axis), axis, line_plain_pixel);
+    return each_pixel(filter, block, axis == AXIS_X ? 1 : block->stride, axis, line_plain_pixel);
 }
 
-static struct depth_range disc(const struct narrow_range *filter, const float *in, float *out, ptrdiff_t stride, int axis)
+static struct depth_range disc(const struct narrow_range *filter, const struct depth_block *block, int axis)
 {
-    return block(filter, in, out, stride, stride, axis, disc_pixel);
+    return each_pixel(filter, block, block->stride, axis, disc_pixel);
 }
 
-static struct depth_range square(const struct narrow_range *filter, const float *in, float *out, ptrdiff_t stride, int axis)
+static struct depth_range square(const struct narrow_range *filter, const struct depth_block *block, int axis)
 {
-    return block(filter, in, out, stride, stride, axis, square_pixel);
+    return each_pixel(filter, block, block->stride, axis, square_pixel);
 }
 
 /* In two dimensions the tests cost little beside the rest of the plain loop: one definition serves both. */
-const struct smooth_kernels mns_smooth_kernels_scalar = {.line = line,
-                                                         .line_plain = line_plain,
-                                                         .disc = disc,
-                                                         .disc_plain = disc,
-                                                         .square = square,
-                                                         .square_plain = square};
+const struct smooth_kernels mns_smooth_kernels_scalar = {
+    .line = line, .line_plain = line_plain, .disc = disc, .disc_plain = disc, .square = square, .square_plain = square};

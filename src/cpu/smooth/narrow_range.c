@@ -33,7 +33,7 @@ static struct narrow_range resolve(const struct frame *frame)
     float sigma = SQUARE_END / cut;
     for (int y = 0; y < 3; y++) {
         for (int x = 0; x < 3; x++) {
-            filter.square[y][x] = fmaxf(expf(-0.5f * (float)(x * x + y * y) / (sigma * sigma)) - filter.weight_cut, 0);
+            filter.square[y][x] = greater(expf(-0.5f * (float)(x * x + y * y) / (sigma * sigma)) - filter.weight_cut, 0);
         }
     }
     return filter;
@@ -61,15 +61,17 @@ static struct reach block_reach(const struct pass *pass, float nearest)
     }
     int x = narrow_range_reach(&pass->filter, AXIS_X, nearest), y = narrow_range_reach(&pass->filter, AXIS_Y, nearest);
     int ring = x > y ? x : y;
-    return pass->shape == SHAPE_LINE_X ? (struct reach){x, 0} : pass->shape == SHAPE_LINE_Y ? (struct reach){0, y} : (struct reach){ring, ring};
+    return pass->shape == SHAPE_LINE_X   ? (struct reach){x, 0}
+           : pass->shape == SHAPE_LINE_Y ? (struct reach){0, y}
+                                         : (struct reach){ring, ring};
 }
 
-/* Whether all taps of block (bx, by) are inside the picture and in range of each other. */
+/* Whether the plain kernel does for block (bx, by): smooth.h. */
 static bool is_plain(const struct pass *pass, int bx, int by)
 {
     const struct depth_plane *in = pass->in;
     struct depth_range range = in->ranges[by * in->blocks_x + bx];
-    if (range.max - range.min > pass->filter.delta) {
+    if (range.max - range.min > PLAIN_SPREAD * range.min) {
         return false;
     }
     struct reach reach = block_reach(pass, range.min);
@@ -81,8 +83,8 @@ static bool is_plain(const struct pass *pass, int bx, int by)
     for (int y = top / BLOCK_HEIGHT; y <= bottom / BLOCK_HEIGHT; y++) {
         for (int x = left / BLOCK_WIDTH; x <= right / BLOCK_WIDTH; x++) {
             const struct depth_range *other = &in->ranges[y * in->blocks_x + x];
-            range.min = fminf(range.min, other->min);
-            range.max = fmaxf(range.max, other->max);
+            range.min = lesser(range.min, other->min);
+            range.max = greater(range.max, other->max);
         }
         if (range.max - range.min > pass->filter.delta) {
             return false;
@@ -91,11 +93,16 @@ static bool is_plain(const struct pass *pass, int bx, int by)
     return true;
 }
 
-static void copy_block(const float *in, float *out, ptrdiff_t stride)
+/* A block without fluid. What is empty in out already is left alone: most of it is, from the last pass or the last picture. */
+static void copy_empty(const struct depth_block *block, struct depth_range *out)
 {
-    for (int y = 0; y < BLOCK_HEIGHT; y++) {
-        memcpy(out + y * stride, in + y * stride, BLOCK_WIDTH * sizeof(float));
+    if (out->min >= DEPTH_LIMIT) {
+        return;
     }
+    for (int y = 0; y < BLOCK_HEIGHT; y++) {
+        memcpy(block->out + y * block->stride, block->in + y * block->stride, BLOCK_WIDTH * sizeof(float));
+    }
+    *out = block->range;
 }
 
 /* A job: one row of blocks. */
@@ -107,16 +114,24 @@ static void run_blocks(void *context, int by)
     for (int bx = 0; bx < pass->in->blocks_x; bx++) {
         int index = by * pass->in->blocks_x + bx;
         ptrdiff_t at = by * BLOCK_HEIGHT * stride + bx * BLOCK_WIDTH;
-        const float *in = pass->in->plane.data + at;
-        float *out = pass->out->plane.data + at;
-        if (pass->in->ranges[index].min >= DEPTH_LIMIT) {
-            copy_block(in, out, stride);
-            pass->out->ranges[index] = pass->in->ranges[index];
+        struct depth_block block = {pass->in->plane.data + at, pass->out->plane.data + at, stride, pass->in->ranges[index]};
+        if (block.range.min >= DEPTH_LIMIT) {
+            copy_empty(&block, &pass->out->ranges[index]);
         } else {
             narrow_range_function *kernel = is_plain(pass, bx, by) ? pass->plain : pass->kernel;
-            pass->out->ranges[index] = kernel(&pass->filter, in, out, stride, axis);
+            pass->out->ranges[index] = kernel(&pass->filter, &block, axis);
         }
     }
+}
+
+/* Whether any depth is less than delta. No pass brings fluid nearer than the nearest there was, but for rounding. */
+static bool any_at_lens(const struct depth_plane *plane, float delta)
+{
+    float nearest = DEPTH_EMPTY;
+    for (int i = 0; i < plane->blocks_x * plane->blocks_y; i++) {
+        nearest = lesser(nearest, plane->ranges[i].min);
+    }
+    return nearest < 1.001f * delta;
 }
 
 /* From cpu->smoothed to the other plane, which then is cpu->smoothed. */
@@ -132,14 +147,30 @@ static void run_pass(struct backend *cpu, struct pass *pass, enum shape shape)
     cpu->smoothed = pass->out;
 }
 
+/* Gives a plane its size; where that changes it, or its ranges are new, no block passes for empty. */
+static bool resize(struct depth_plane *plane, struct memory *memory, const struct view *view)
+{
+    const struct depth_range *ranges = plane->ranges;
+    bool same = plane->plane.width == view->width && plane->plane.height == view->height;
+    if (!mns_depth_plane_resize(plane, memory, view->width, view->height)) {
+        return false;
+    }
+    same = same && plane->ranges == ranges;
+    for (int i = 0; !same && i < plane->blocks_x * plane->blocks_y; i++) {
+        plane->ranges[i] = (struct depth_range){0, 0};
+    }
+    return true;
+}
+
 mns_result mns_smooth_narrow_range(struct backend *cpu, const struct frame *frame)
 {
     for (int i = 0; i < 2; i++) {
-        if (!mns_depth_plane_resize(&cpu->depth[i], cpu->host.memory, frame->view.width, frame->view.height)) {
+        if (!resize(&cpu->depth[i], cpu->host.memory, &frame->view)) {
             return cpu_out_of_memory(cpu);
         }
     }
     struct pass pass = {.filter = resolve(frame)};
+    pass.filter.at_lens = any_at_lens(&cpu->depth_raw, pass.filter.delta);
     for (int i = 0; i < frame->params.iterations; i++) {
         if (frame->params.filter == MNS_FILTER_NARROW_RANGE) {
             run_pass(cpu, &pass, SHAPE_DISC);
