@@ -54,7 +54,8 @@ struct depth_block {
     const float *in;
     float *out;
     ptrdiff_t stride;
-    struct depth_range range; /* of in, as in struct depth_plane */
+    struct depth_range range;  /* of in, as in struct depth_plane */
+    struct depth_range around; /* no sample that taps of the block meet is outside this; min 0 where they leave the picture */
 };
 
 /* Filters a block. Pixels that are empty or outside the picture (0) are copied. Returns the range of what was written. axis: of the taps;

@@ -73,16 +73,59 @@ SIMD void gaussian_step(struct gaussian *g)
     g->ratio = vf_fnma(g->ratio, g->fall, g->ratio);
 }
 
-/* What does not change from pixel to pixel. bias and lens are constants where the functions below are inlined. */
-struct constants {
-    vf grow, weight_cut;
-    bool bias; /* bias_correction */
-    bool lens; /* at_lens */
+/* What a block needs of the filter; each combination is compiled by itself. */
+enum need {
+    NEED_NEAR = 1,   /* some sample may be too near */
+    NEED_FAR = 2,    /* some sample may be too far */
+    NEED_FLOOR = 4,  /* at_lens */
+    NEED_SINGLE = 8, /* no bias correction */
+    NEED_ALL_PAIRS = NEED_NEAR | NEED_FAR | NEED_FLOOR,
+    NEED_ALL_SINGLE = NEED_ALL_PAIRS | NEED_SINGLE
 };
 
-SIMD struct constants constants_of(const struct narrow_range *filter, bool bias, bool lens)
+/* Calls function(..., need) with a need that is a constant there. */
+#define FOR_NEED(filter, block, function, ...)                                                                                             \
+    switch (need_of(filter, block)) {                                                                                                      \
+    case 0: return function(__VA_ARGS__, 0);                                                                                               \
+    case NEED_NEAR: return function(__VA_ARGS__, NEED_NEAR);                                                                               \
+    case NEED_FAR: return function(__VA_ARGS__, NEED_FAR);                                                                                 \
+    case NEED_NEAR | NEED_FAR: return function(__VA_ARGS__, NEED_NEAR | NEED_FAR);                                                         \
+    case NEED_ALL_PAIRS: return function(__VA_ARGS__, NEED_ALL_PAIRS);                                                                     \
+    default: return function(__VA_ARGS__, NEED_ALL_SINGLE);                                                                                \
+    }
+
+/* The farthest fluid of a block. */
+SIMD float farthest_fluid(const struct depth_block *block)
 {
-    return (struct constants){vf_set1(filter->grow), vf_set1(filter->weight_cut), bias, lens};
+    if (block->range.max < DEPTH_LIMIT) {
+        return block->range.max;
+    }
+    vf farthest = vf_zero();
+    for (int i = 0; i < BLOCK_HEIGHT * BLOCK_WIDTH; i += VLEN) {
+        vf depth = vf_load(block->in + i / BLOCK_WIDTH * block->stride + i % BLOCK_WIDTH);
+        farthest = vf_mask_max(farthest, vf_lt(depth, vf_set1(DEPTH_LIMIT)), depth);
+    }
+    return vf_reduce_max(farthest);
+}
+
+SIMD int need_of(const struct narrow_range *filter, const struct depth_block *block)
+{
+    if (!filter->bias_correction || filter->at_lens) {
+        return filter->bias_correction ? NEED_ALL_PAIRS : NEED_ALL_SINGLE;
+    }
+    int far = block->around.max > block->range.min + filter->delta ? NEED_FAR : 0;
+    return block->around.min < farthest_fluid(block) - filter->delta ? far | NEED_NEAR : far;
+}
+
+/* What does not change from pixel to pixel. */
+struct constants {
+    vf grow, weight_cut;
+    int need;
+};
+
+SIMD struct constants constants_of(const struct narrow_range *filter, int need)
+{
+    return (struct constants){vf_set1(filter->grow), vf_set1(filter->weight_cut), need};
 }
 
 SIMD vf cut_weight(vf weight, const struct constants *constants) { return vf_max(weight - constants->weight_cut, vf_zero()); }
@@ -123,9 +166,15 @@ SIMD struct sample sample_take(const float *at, const struct centre *centre, con
 /* Eq. 8, 9. A sample too near is always less than far - grow and one too far more than near + grow: one test for each bound is enough. */
 SIMD void bounds_widen(struct bounds *bounds, const struct sample *s, const struct centre *centre, const struct constants *constants)
 {
-    bounds->near = vf_min(bounds->near, vf_keep(s->above_near, s->value - constants->grow));
-    bounds->near = constants->lens ? vf_max(bounds->near, centre->floor) : bounds->near;
-    bounds->far = vf_max(bounds->far, vf_keep(s->below_far, s->value + constants->grow));
+    if (constants->need & NEED_NEAR) {
+        bounds->near = vf_min(bounds->near, vf_keep(s->above_near, s->value - constants->grow));
+    }
+    if (constants->need & NEED_FLOOR) {
+        bounds->near = vf_max(bounds->near, centre->floor);
+    }
+    if (constants->need & NEED_FAR) {
+        bounds->far = vf_max(bounds->far, vf_keep(s->below_far, s->value + constants->grow));
+    }
 }
 
 /* Eq. 1: its numerator relative to depth + mu, and half of its denominator without the pixel itself. */
@@ -136,17 +185,25 @@ struct mean {
 SIMD void mean_add(struct mean *mean, vf weight, const struct sample *a, const struct sample *b, const struct centre *centre,
                    const struct constants *constants)
 {
-    if (constants->bias) { /* eq. 6 */
-        vm both = vm_and(a->above_near, b->above_near);
-        vf value = vf_mask_add(vf_keep(a->below_far, a->value), b->below_far, b->value);
-        mean->sum = vf_mask_fma(mean->sum, both, value, weight);
-        mean->weights = vf_mask_add(mean->weights, both, weight);
-    } else { /* eq. 3; outside the picture the pair is dropped all the same */
+    if (constants->need & NEED_SINGLE) { /* eq. 3; outside the picture the pair is dropped all the same */
         vm keep_a = vm_and(a->above_near, vf_ge(b->value, centre->floor)), keep_b = vm_and(b->above_near, vf_ge(a->value, centre->floor));
         vf half = weight * vf_set1(0.5f);
         mean->sum = vf_mask_fma(mean->sum, vm_and(keep_a, a->below_far), a->value, weight);
         mean->sum = vf_mask_fma(mean->sum, vm_and(keep_b, b->below_far), b->value, weight);
         mean->weights = vf_mask_add(vf_mask_add(mean->weights, keep_a, half), keep_b, half);
+        return;
+    }
+    vf value = a->value + b->value;
+    if (constants->need & NEED_FAR) { /* eq. 2 */
+        value = vf_mask_add(vf_keep(a->below_far, a->value), b->below_far, b->value);
+    }
+    if (constants->need & NEED_NEAR) { /* eq. 6 */
+        vm both = vm_and(a->above_near, b->above_near);
+        mean->sum = vf_mask_fma(mean->sum, both, value, weight);
+        mean->weights = vf_mask_add(mean->weights, both, weight);
+    } else {
+        mean->sum = vf_fma(value, weight, mean->sum);
+        mean->weights = mean->weights + weight;
     }
 }
 
@@ -183,10 +240,10 @@ SIMD void line_tap(struct line *line, ptrdiff_t tap, const struct constants *con
 }
 
 /* Two rows at once where their state fits the registers. */
-SIMD struct depth_range line_block(const struct narrow_range *filter, const struct depth_block *block, int axis, bool bias, bool lens)
+SIMD struct depth_range line_block(const struct narrow_range *filter, const struct depth_block *block, int axis, int need)
 {
     enum { ROWS = VLEN == 16 ? 2 : 1 };
-    struct constants constants = constants_of(filter, bias, lens);
+    struct constants constants = constants_of(filter, need);
     struct extent extent = extent_start();
     ptrdiff_t stride = block->stride, step = axis == AXIS_X ? 1 : stride;
     ptrdiff_t reach = narrow_range_reach(filter, axis, block->range.min) * step;
@@ -215,10 +272,7 @@ SIMD struct depth_range line_block(const struct narrow_range *filter, const stru
 
 static struct depth_range line(const struct narrow_range *filter, const struct depth_block *block, int axis)
 {
-    if (!filter->bias_correction) {
-        return line_block(filter, block, axis, false, true);
-    }
-    return filter->at_lens ? line_block(filter, block, axis, true, true) : line_block(filter, block, axis, true, false);
+    FOR_NEED(filter, block, line_block, filter, block, axis)
 }
 
 /* In a plain block weights hardly change from pixel to pixel: with a the block's middle exponent and x = i^2 (pixel's exponent - a),
@@ -388,9 +442,9 @@ static int disc_reach(const struct narrow_range *filter, float depth)
     return x > y ? x : y;
 }
 
-SIMD vf disc_pixels(const struct narrow_range *filter, vf depth, const float *at, ptrdiff_t stride, int reach, bool bias)
+SIMD vf disc_pixels(const struct narrow_range *filter, vf depth, const float *at, ptrdiff_t stride, int reach, int need)
 {
-    struct constants constants = constants_of(filter, bias, true);
+    struct constants constants = constants_of(filter, need);
     vf along_x[PLANE_BORDER], along_y[PLANE_BORDER];
     gaussian_table(exponent(filter, AXIS_X, depth), reach, along_x);
     gaussian_table(exponent(filter, AXIS_Y, depth), reach, along_y);
@@ -409,7 +463,7 @@ SIMD vf disc_pixels(const struct narrow_range *filter, vf depth, const float *at
 
 SIMD vf disc_plain_pixels(const struct narrow_range *filter, vf depth, const float *at, ptrdiff_t stride, int reach)
 {
-    struct constants constants = constants_of(filter, true, false);
+    struct constants constants = constants_of(filter, 0);
     vf along_x[PLANE_BORDER], along_y[PLANE_BORDER];
     gaussian_table(exponent(filter, AXIS_X, depth), reach, along_x);
     gaussian_table(exponent(filter, AXIS_Y, depth), reach, along_y);
@@ -425,9 +479,9 @@ SIMD vf disc_plain_pixels(const struct narrow_range *filter, vf depth, const flo
     return vf_fma(sum, vf_rcp(vf_set1(1.0f - filter->weight_cut) + weights + weights), depth);
 }
 
-SIMD vf square_pixels(const struct narrow_range *filter, vf depth, const float *at, ptrdiff_t stride, bool bias, bool lens)
+SIMD vf square_pixels(const struct narrow_range *filter, vf depth, const float *at, ptrdiff_t stride, int need)
 {
-    struct constants constants = constants_of(filter, bias, lens);
+    struct constants constants = constants_of(filter, need);
     struct disc disc = disc_start(filter, depth, at);
     for (int ring = 1; ring <= 2; ring++) {
         for (int x = -ring; x <= ring; x++) {
@@ -458,8 +512,8 @@ SIMD vf square_plain_pixels(const struct narrow_range *filter, vf depth, const f
 
 enum kind { DISC, DISC_PLAIN, SQUARE, SQUARE_PLAIN };
 
-/* kind, bias and lens are constants where this is inlined. */
-SIMD struct depth_range disc_block(const struct narrow_range *filter, const struct depth_block *block, enum kind kind, bool bias, bool lens)
+/* kind and need are constants where this is inlined. */
+SIMD struct depth_range disc_block(const struct narrow_range *filter, const struct depth_block *block, enum kind kind, int need)
 {
     struct extent extent = extent_start();
     ptrdiff_t stride = block->stride;
@@ -470,9 +524,9 @@ SIMD struct depth_range disc_block(const struct narrow_range *filter, const stru
             struct pixels pixels = pixels_load(at, block->range.min);
             vf result = pixels.depth;
             switch (vm_any(pixels.fluid) ? (int)kind : -1) {
-            case DISC: result = disc_pixels(filter, pixels.depth, at, stride, reach, bias); break;
+            case DISC: result = disc_pixels(filter, pixels.depth, at, stride, reach, need); break;
             case DISC_PLAIN: result = disc_plain_pixels(filter, pixels.depth, at, stride, reach); break;
-            case SQUARE: result = square_pixels(filter, pixels.depth, at, stride, bias, lens); break;
+            case SQUARE: result = square_pixels(filter, pixels.depth, at, stride, need); break;
             case SQUARE_PLAIN: result = square_plain_pixels(filter, pixels.depth, at, stride); break;
             default: break;
             }
@@ -485,28 +539,25 @@ SIMD struct depth_range disc_block(const struct narrow_range *filter, const stru
 static struct depth_range disc(const struct narrow_range *filter, const struct depth_block *block, int axis)
 {
     (void)axis;
-    return filter->bias_correction ? disc_block(filter, block, DISC, true, true) : disc_block(filter, block, DISC, false, true);
+    FOR_NEED(filter, block, disc_block, filter, block, DISC)
 }
 
 static struct depth_range disc_plain(const struct narrow_range *filter, const struct depth_block *block, int axis)
 {
     (void)axis;
-    return disc_block(filter, block, DISC_PLAIN, true, false);
+    return disc_block(filter, block, DISC_PLAIN, 0);
 }
 
 static struct depth_range square(const struct narrow_range *filter, const struct depth_block *block, int axis)
 {
     (void)axis;
-    if (!filter->bias_correction) {
-        return disc_block(filter, block, SQUARE, false, true);
-    }
-    return filter->at_lens ? disc_block(filter, block, SQUARE, true, true) : disc_block(filter, block, SQUARE, true, false);
+    FOR_NEED(filter, block, disc_block, filter, block, SQUARE)
 }
 
 static struct depth_range square_plain(const struct narrow_range *filter, const struct depth_block *block, int axis)
 {
     (void)axis;
-    return disc_block(filter, block, SQUARE_PLAIN, true, false);
+    return disc_block(filter, block, SQUARE_PLAIN, 0);
 }
 
 const struct smooth_kernels SIMD_NAME(mns_smooth_kernels) = {
