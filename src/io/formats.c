@@ -3,7 +3,7 @@
 
 /* In the order of probing; formats with a signature first, text without one last. */
 const struct mns_reader *const mns_readers[] = {
-    &mns_reader_bgeo, &mns_reader_npy, &mns_reader_npz, &mns_reader_ply, &mns_reader_csv, NULL,
+    &mns_reader_bgeo, &mns_reader_npy, &mns_reader_npz, &mns_reader_ply, &mns_reader_vtk, &mns_reader_csv, NULL,
 };
 
 static const char *const missing[] = {

@@ -152,8 +152,10 @@ static void memory_may_run_out_anywhere(void **state)
         {"x,y,z,u,v,w,type\n1,2,3,4,5,6,0\n4,5,6,0,0,0,1\nnan,5,6,0,0,0,1\n", "a.csv"},
         {"ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\nproperty uchar red\nproperty uchar green\n"
          "property uchar blue\nproperty int type\nend_header\n1 2 3 4 5 6 0\n", "a.ply"},
+        {"# vtk DataFile Version 3.0\nt\nASCII\nDATASET POLYDATA\nPOINTS 2 float\n1 2 3 4 5 6\nPOINT_DATA 2\nSCALARS type int\nLOOKUP_TABLE t\n0 1\n"
+         "FIELD f 1\nvtkGhostType 1 2 unsigned_char\n0 1\n", "a.vtk"},
     };
-    for (size_t f = 0; f < 2; f++) {
+    for (size_t f = 0; f < sizeof(files) / sizeof(files[0]); f++) {
         for (size_t fail_at = 0;; fail_at++) {
             struct counting counting = {0, 0, fail_at};
             struct mns_read_params params;
