@@ -127,13 +127,59 @@ static void framing_direction(double out[3], int up_axis)
     out[up_axis == 2 ? 1 : 2] = up_axis == 2 ? -front : front;
 }
 
+/* The box to frame, in the camera's axes: corner k at right x[k], above y[k], back z[k] from the centre. */
+struct framed_box {
+    double x[8], y[8], z[8];
+};
+
+/* How far the eye must stand back, and how far to the right and above the centre, so that the box fills a picture of these half-widths
+ * with `room` around it. The box's sides meet the picture's sides where the eye looks at the middle of what it sees, not of the box. */
+static double fit_perspective(const struct framed_box *box, double tan_x, double tan_y, double room, double pan[2])
+{
+    enum { ROUNDS = 8 }; /* each leaves about a tenth of the error */
+    double distance = 0;
+    pan[0] = pan[1] = 0;
+    for (int round = 0; round < ROUNDS; round++) {
+        distance = 0;
+        for (int k = 0; k < 8; k++) {
+            double x = fabs(box->x[k] - pan[0]) / tan_x, y = fabs(box->y[k] - pan[1]) / tan_y;
+            distance = fmax(distance, box->z[k] + room * fmax(x, y));
+        }
+        double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
+        for (int k = 0; k < 8; k++) {
+            double depth = distance - box->z[k];
+            const double at[2] = {(box->x[k] - pan[0]) / depth, (box->y[k] - pan[1]) / depth};
+            for (int i = 0; i < 2; i++) {
+                low[i] = fmin(low[i], at[i]);
+                high[i] = fmax(high[i], at[i]);
+            }
+        }
+        for (int i = 0; i < 2; i++) {
+            pan[i] += 0.5 * (low[i] + high[i]) * distance;
+        }
+    }
+    return distance;
+}
+
+/* Right, above and back of the framing eye. */
+static void framing_axes(double axes[3][3], int up_axis)
+{
+    double up[3] = {0};
+    up[up_axis] = 1;
+    framing_direction(axes[2], up_axis);
+    normalize(axes[2]);
+    cross(axes[0], up, axes[2]);
+    normalize(axes[0]);
+    cross(axes[1], axes[2], axes[0]);
+}
+
 mns_result mns_camera_frame(struct mns_camera *camera, const double bounds_min[3], const double bounds_max[3], double margin, int up_axis,
                             double fov_y)
 {
     if (up_axis < 0 || up_axis > 2 || !(fov_y >= 0) || !(fov_y < 180) || !(margin >= 0) || camera->width < 1 || camera->height < 1) {
         return MNS_ERR_INVALID_ARGUMENT;
     }
-    double center[3], half[3], up[3] = {0}, back[3], right[3], above[3], diagonal = 0;
+    double center[3], half[3], diagonal = 0;
     for (int i = 0; i < 3; i++) {
         center[i] = 0.5 * (bounds_min[i] + bounds_max[i]);
         half[i] = 0.5 * (bounds_max[i] - bounds_min[i]) + margin;
@@ -147,36 +193,31 @@ mns_result mns_camera_frame(struct mns_camera *camera, const double bounds_min[3
         half[0] = half[1] = half[2] = 0.5;
         diagonal = 0.9;
     }
-    up[up_axis] = 1;
-    framing_direction(back, up_axis);
-    normalize(back);
-    cross(right, up, back);
-    normalize(right);
-    cross(above, back, right);
-
-    static const double room = 1.08; /* around the box */
-    double aspect = (double)camera->width / camera->height, tan_y = tan(fov_y * PI / 360), tan_x = tan_y * aspect;
-    double distance = 0, reach_x = 0, reach_y = 0;
+    double axes[3][3], reach_x = 0, reach_y = 0;
+    framing_axes(axes, up_axis);
+    struct framed_box box;
     for (int corner = 0; corner < 8; corner++) {
         double p[3];
         for (int i = 0; i < 3; i++) {
             p[i] = corner >> i & 1 ? half[i] : -half[i];
         }
-        double x = fabs(dot(p, right)), y = fabs(dot(p, above)), z = dot(p, back);
-        reach_x = fmax(reach_x, x);
-        reach_y = fmax(reach_y, y);
-        if (fov_y > 0) {
-            distance = fmax(distance, z + room * fmax(x / tan_x, y / tan_y));
-        }
+        box.x[corner] = dot(p, axes[0]);
+        box.y[corner] = dot(p, axes[1]);
+        box.z[corner] = dot(p, axes[2]);
+        reach_x = fmax(reach_x, fabs(box.x[corner]));
+        reach_y = fmax(reach_y, fabs(box.y[corner]));
     }
-    if (fov_y <= 0) {
-        distance = 2 * diagonal;
-    }
-    double eye[3];
+
+    static const double room = 1.04; /* around the box */
+    double aspect = (double)camera->width / camera->height, tan_y = tan(fov_y * PI / 360), pan[2] = {0, 0};
+    double distance = fov_y > 0 ? fit_perspective(&box, tan_y * aspect, tan_y, room, pan) : 2 * diagonal;
+    double eye[3], target[3];
     for (int i = 0; i < 3; i++) {
-        eye[i] = center[i] + back[i] * distance;
+        target[i] = center[i] + pan[0] * axes[0][i] + pan[1] * axes[1][i];
+        eye[i] = target[i] + distance * axes[2][i];
     }
-    mns_result result = mns_camera_look_at(camera, eye, center, up);
+    const double up[3] = {up_axis == 0, up_axis == 1, up_axis == 2};
+    mns_result result = mns_camera_look_at(camera, eye, target, up);
     if (result != MNS_OK) {
         return result;
     }
