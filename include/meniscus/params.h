@@ -77,7 +77,7 @@ struct mns_params {
     float absorption_relative[3]; /* 1/L per channel */
     float fluid_color[3];         /* linear RGB of light scattered back by deep fluid, times the sky's light */
     float refraction_index;       /* of the fluid */
-    float refraction_strength;    /* 1: the refracted ray travels the full thickness; 0: straight through */
+    float refraction_strength;    /* 1: the refracted ray crosses the full thickness; 0: straight through */
     int fresnel;                  /* enum mns_fresnel */
     float reflection;             /* scales the reflection; 1: physical */
     float specular;               /* scales the sun's highlight; 1: physical for the sun's size below */

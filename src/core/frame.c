@@ -17,7 +17,7 @@ static const double RADIUS_UNKNOWN = 0.5;
 
 /* The light of the default sun on a white surface that faces it, and how many floor cells go into L. */
 static const float SUN_LIGHT[3] = {1.9f, 1.75f, 1.5f};
-static const float CELLS_PER_SIZE = 4;
+static const float CELLS_PER_SIZE = 2;
 
 void mns_frame_init_sized(struct mns_frame *frame, size_t size)
 {

@@ -42,6 +42,7 @@ struct backend {
     struct depth_plane *smoothed;    /* smooth: where the result is (depth_raw when the filter is none) */
     struct thickness_image raw;      /* splat */
     struct thickness_image blurred;  /* blur */
+    struct plane blur_half, blur_decay; /* blur: between its two passes, and how fast the Gaussian of each texel falls */
     struct scene_image scene;        /* scene */
     struct backend_stats stats;
 };

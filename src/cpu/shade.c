@@ -1,10 +1,241 @@
-/* shade.c: stage shade. */
+/* shade.c: stage shade: depth, thickness, color and scene -> normal, curvature, color, transmittance, alpha, depth, beauty. */
+#include "cpu/shade.h"
+
 #include "cpu/cpu.h"
+#include "cpu/display.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Part of the light on a white surface that deep fluid of a white particle colour scatters back. */
+static const float SCATTER_WHITE = 0.3f;
+
+/* Room for a row of normals with its margins, aligned as vectors want it. */
+enum { NORMALS_WIDTH = SHADE_TILE_WIDTH + 2 * SHADE_MARGIN };
+
+struct shade_run {
+    struct backend *cpu;
+    const struct frame *frame;
+    struct shade_optics optics;
+    const struct plane *surface;    /* depth that is shaded: smoothed, or raw in display spheres */
+    struct display_range range;
+    float gain;
+    bool has_color, needs_color, needs_curvature, needs_optics;
+    int tiles_x, tiles_y;
+    atomic_int next;
+};
+
+static void resolve_optics(struct shade_optics *out, const struct backend *cpu, const struct frame *frame)
+{
+    const struct view *view = &frame->view;
+    const struct mns_params *params = &frame->params;
+    *out = (struct shade_optics){.orthographic = view->orthographic,
+                                 .fx = view->fx,
+                                 .fy = view->fy,
+                                 .cx = view->cx,
+                                 .cy = view->cy,
+                                 .step_x = 1 / view->fx,
+                                 .step_y = 1 / view->fy,
+                                 .edge = params->edge_threshold * frame->splat_radius,
+                                 .one_sided = params->display == MNS_DISPLAY_SPHERES,
+                                 .schlick = params->fresnel == MNS_FRESNEL_SCHLICK,
+                                 .index = params->refraction_index,
+                                 .refraction = params->refraction_strength,
+                                 .reflection = params->reflection,
+                                 .specular = params->specular,
+                                 .shininess = params->shininess,
+                                 .scene = cpu->scene.color,
+                                 .scene_stride = cpu->scene.stride,
+                                 .width = view->width,
+                                 .height = view->height,
+                                 .transparent = params->background == MNS_BACKGROUND_TRANSPARENT && !frame->scene};
+    if (cpu->scene.has_depth) {
+        out->scene_depth = cpu->scene.depth.data;
+        out->scene_depth_stride = cpu->scene.depth.stride;
+    }
+    mns_sky_resolve(&out->sky, frame);
+    float sine = frame->look.sun[frame->look.axis_up];
+    for (int c = 0; c < 3; c++) {
+        float light = out->sky.sun_light[c] * sine + out->sky.sky_light[c];
+        out->absorption[c] = frame->absorption[c];
+        out->absorption_mean += frame->absorption[c] / 3;
+        out->scatter[c] = params->fluid_color[c] * light;
+        out->scatter_light[c] = SCATTER_WHITE * light;
+        out->opaque[c] = params->opaque_color[c];
+    }
+}
+
+/* Thickness and colour at the row's pixels. */
+static void sample_thickness(const struct shade_run *run, struct shade_row *row)
+{
+    const struct thickness_image *in = &run->cpu->blurred;
+    const struct blur_kernels *blur = run->cpu->kernels->blur;
+    int top;
+    float weight = blur_rows_of(row->y, in->scale, &top);
+    const float *rows = in->thickness.data + top * in->thickness.stride;
+    blur->upsample(rows, rows + in->thickness.stride, weight, in->scale, row->x, row->count, row->thickness);
+    for (int c = 0; c < 3 && run->needs_color; c++) {
+        rows = in->color[c].data + top * in->color[c].stride;
+        blur->upsample(rows, rows + in->color[c].stride, weight, in->scale, row->x, row->count, row->color[c]);
+        for (int i = 0; i < row->count; i++) {
+            row->color[c][i] = row->thickness[i] > 0 ? row->color[c][i] / row->thickness[i] : 0;
+        }
+    }
+}
+
+static void row_curvature(const struct shade_run *run, const struct shade_row *row, float *curvature)
+{
+    float normals[3][3][NORMALS_WIDTH];
+    struct shade_normals at;
+    const float *depth = run->surface->data + row->y * run->surface->stride + row->x;
+    for (int r = 0; r < 3; r++) {
+        run->cpu->kernels->shade->normals(&run->optics, depth - SHADE_MARGIN + (r - 1) * run->surface->stride, run->surface->stride, NULL,
+                                          row->x - SHADE_MARGIN, row->y + r - 1, row->count + 2 * SHADE_MARGIN, normals[r][0], normals[r][1],
+                                          normals[r][2]);
+        for (int c = 0; c < 3; c++) {
+            at.n[r][c] = normals[r][c] + SHADE_MARGIN;
+        }
+    }
+    run->cpu->kernels->shade->curvature(&run->optics, &at, depth, run->surface->stride, row->x, row->y, row->count, curvature);
+    for (int i = 0; i < row->count; i++) {
+        curvature[i] = row->nz[i] != 0 ? curvature[i] : 0;
+    }
+}
+
+/* The first value of the row in a layer of float32, or NULL where it is not asked for. */
+static float *layer_at(const struct shade_run *run, enum mns_layer layer, const struct shade_row *row)
+{
+    const struct mns_image *image = mns_frame_output(run->frame, layer);
+    return image ? (float *)mns_pixels_row(image, row->y) + (ptrdiff_t)image->channels * row->x : NULL;
+}
+
+static void write_layers(const struct shade_run *run, const struct shade_row *row, const float *curvature)
+{
+    float *depth = layer_at(run, MNS_LAYER_DEPTH, row), *normal = layer_at(run, MNS_LAYER_NORMAL, row);
+    float *curved = layer_at(run, MNS_LAYER_CURVATURE, row), *color = layer_at(run, MNS_LAYER_COLOR, row);
+    float *transmittance = layer_at(run, MNS_LAYER_TRANSMITTANCE, row), *alpha = layer_at(run, MNS_LAYER_ALPHA, row);
+    for (int i = 0; i < row->count; i++) {
+        bool fluid = row->nz[i] != 0;
+        if (depth) {
+            depth[i] = fluid ? row->depth[i] : INFINITY;
+        }
+        if (normal) { /* view space is (x, -y, -z) of image space */
+            normal[3 * i] = row->nx[i];
+            normal[3 * i + 1] = fluid ? -row->ny[i] : 0;
+            normal[3 * i + 2] = fluid ? -row->nz[i] : 0;
+        }
+        if (curved) {
+            curved[i] = curvature[i];
+        }
+        float sum = 0;
+        for (int c = 0; c < 3; c++) {
+            float through = fluid ? row->transmittance[c][i] * (1 - row->fresnel[i]) : 1;
+            sum += through;
+            if (color) {
+                color[3 * i + c] = fluid && run->has_color ? row->color[c][i] : 0;
+            }
+            if (transmittance) {
+                transmittance[3 * i + c] = through;
+            }
+        }
+        if (alpha) {
+            alpha[i] = fluid ? 1 - sum / 3 : 0;
+        }
+    }
+}
+
+static void draw(struct shade_run *run, struct shade_row *row, const float *curvature)
+{
+    const struct shade_kernels *kernels = run->cpu->kernels->shade;
+    switch (run->frame->params.display) {
+    case MNS_DISPLAY_BEAUTY:
+        if (!run->optics.transparent) {
+            kernels->fetch(&run->optics, row);
+        }
+        kernels->water(&run->optics, run->has_color, row);
+        break;
+    case MNS_DISPLAY_OPAQUE:
+    case MNS_DISPLAY_SPHERES: kernels->opaque(&run->optics, run->has_color, row); break;
+    default: mns_display_row(run->frame, &run->range, row, curvature, row->out); break;
+    }
+}
+
+static void shade_row(struct shade_run *run, struct shade_row *row)
+{
+    const struct shade_optics *optics = &run->optics;
+    const float *depth = run->surface->data + row->y * run->surface->stride + row->x;
+    const float *scene_depth = optics->scene_depth ? optics->scene_depth + row->y * optics->scene_depth_stride + row->x : NULL;
+    const struct mns_image *beauty = mns_frame_output(run->frame, MNS_LAYER_BEAUTY);
+    float curvature[SHADE_TILE_WIDTH];
+    const float *pixels = row->out;
+    int display = run->frame->params.display;
+    bool diagram = mns_display_is_diagram(display);
+    int found = run->cpu->kernels->shade->normals(optics, depth, run->surface->stride, scene_depth, row->x, row->y, row->count, row->nx, row->ny,
+                                                  row->nz);
+    if (found > 0) {
+        memcpy(row->depth, depth, sizeof(float) * (size_t)row->count);
+        sample_thickness(run, row);
+        if (run->needs_curvature) {
+            row_curvature(run, row, curvature);
+        }
+        if (run->needs_optics) {
+            run->cpu->kernels->shade->optics(optics, run->has_color, row);
+        }
+    } else {
+        memset(curvature, 0, sizeof(curvature));
+    }
+    write_layers(run, row, curvature);
+    if (!beauty) {
+        return;
+    }
+    if (found > 0 || diagram) {
+        draw(run, row, curvature);
+    } else {
+        pixels = optics->scene + 4 * (row->y * optics->scene_stride + row->x);
+    }
+    size_t pixel_size = beauty->pixel == MNS_PIXEL_F32 ? 4 : beauty->pixel == MNS_PIXEL_U16 ? 2 : 1;
+    char *to = (char *)mns_pixels_row(beauty, row->y) + pixel_size * (size_t)beauty->channels * (size_t)row->x;
+    run->cpu->kernels->shade->encode(pixels, row->count, diagram ? 1 : run->gain, diagram ? PIXEL_CODE : PIXEL_COLOR, beauty->pixel,
+                                     beauty->channels, to);
+}
+
+static void shade_job(void *context, int index)
+{
+    (void)index;
+    struct shade_run *run = context;
+    struct shade_row row;
+    for (;;) {
+        int tile = atomic_fetch_add(&run->next, 1);
+        if (tile >= run->tiles_x * run->tiles_y) {
+            return;
+        }
+        int left = tile % run->tiles_x * SHADE_TILE_WIDTH, top = tile / run->tiles_x * SHADE_TILE_HEIGHT;
+        int rest = run->optics.width - left, bottom = top + SHADE_TILE_HEIGHT;
+        row.x = left;
+        row.count = rest < SHADE_TILE_WIDTH ? rest : SHADE_TILE_WIDTH;
+        for (row.y = top; row.y < bottom && row.y < run->optics.height; row.y++) {
+            shade_row(run, &row);
+        }
+    }
+}
 
 mns_result mns_cpu_shade(struct backend *cpu, const struct frame *frame)
 {
-    (void)cpu;
-    (void)frame;
+    const unsigned wanted = frame->wanted;
+    int display = frame->params.display;
+    struct shade_run run = {.cpu = cpu, .frame = frame, .gain = exp2f(frame->params.exposure)};
+    run.surface = display == MNS_DISPLAY_SPHERES ? &cpu->depth_raw.plane : &cpu->smoothed->plane;
+    resolve_optics(&run.optics, cpu, frame);
+    run.has_color = cpu->blurred.has_color;
+    run.needs_color = run.has_color;
+    run.needs_curvature = (wanted >> MNS_LAYER_CURVATURE & 1) || display == MNS_DISPLAY_CURVATURE;
+    run.needs_optics = display == MNS_DISPLAY_BEAUTY || (wanted & (1u << MNS_LAYER_TRANSMITTANCE | 1u << MNS_LAYER_ALPHA)) != 0;
+    run.tiles_x = (frame->view.width + SHADE_TILE_WIDTH - 1) / SHADE_TILE_WIDTH;
+    run.tiles_y = (frame->view.height + SHADE_TILE_HEIGHT - 1) / SHADE_TILE_HEIGHT;
+    if (wanted >> MNS_LAYER_BEAUTY & 1) {
+        run.range = mns_display_measure(cpu, frame);
+    }
+    cpu_run(cpu, shade_job, &run, cpu->host.threads);
     return MNS_OK;
 }
 

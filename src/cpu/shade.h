@@ -1,9 +1,106 @@
-/* shade.h: the kernels of stage shade. */
+/* shade.h: the kernels of stage shade. A row of a tile goes through them in turn; each leaves its results in a struct shade_row, so that the
+ * lookups in the scene, which no vector unit does well, stand in a loop of their own. */
 #ifndef MNS_CPU_SHADE_H
 #define MNS_CPU_SHADE_H
 
+#include "cpu/pixels.h"
+#include "cpu/sky.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+
+enum {
+    SHADE_TILE_WIDTH = 256, /* with 32 rows the scene under a tile stays in the second cache */
+    SHADE_TILE_HEIGHT = 32,
+    SHADE_MARGIN = 16       /* pixels on each side of a row of normals, for the curvature */
+};
+
+/* What the optics of one picture depend on. Lengths in metres, directions and positions in image space (core/frame.h: struct view). */
+struct shade_optics {
+    struct sky sky;
+    bool orthographic;
+    float fx, fy, cx, cy, step_x, step_y; /* step_x = 1 / fx */
+    float edge;             /* neighbours whose depths differ by more are apart */
+    bool one_sided;         /* always take the smaller difference: creases stay sharp */
+
+    bool schlick;
+    float index;            /* of refraction */
+    float refraction;       /* thicknesses that the refracted ray travels */
+    float absorption[3];    /* 1/metre */
+    float absorption_mean;  /* of the three: what a particle's colour takes the hue of */
+    float scatter[3];       /* radiance of deep fluid */
+    float scatter_light[3]; /* radiance of deep fluid over the particles' colour */
+    float reflection, specular, shininess; /* specular: over the sun's light on a white surface */
+    float opaque[3];        /* colour of the surface where the fluid is opaque */
+
+    const float *scene;     /* [height][scene_stride][4] linear */
+    ptrdiff_t scene_stride; /* pixels */
+    const float *scene_depth; /* NULL: nothing opaque anywhere */
+    ptrdiff_t scene_depth_stride;
+    int width, height;
+    bool transparent;       /* nothing stands behind the fluid */
+};
+
+/* Pixels x to x + count - 1 of row y. Normals and positions in image space; kernels leave alone what stands where nz is 0. */
+struct shade_row {
+    int x, y, count;
+    float nx[SHADE_TILE_WIDTH], ny[SHADE_TILE_WIDTH], nz[SHADE_TILE_WIDTH]; /* unit, towards the eye; 0 where no fluid shows */
+    float depth[SHADE_TILE_WIDTH], thickness[SHADE_TILE_WIDTH];
+    float color[3][SHADE_TILE_WIDTH];         /* of the particles, where they have one */
+    float transmittance[3][SHADE_TILE_WIDTH]; /* of the fluid's body, without its surface */
+    float fresnel[SHADE_TILE_WIDTH];
+    float look_x[SHADE_TILE_WIDTH], look_y[SHADE_TILE_WIDTH]; /* where the scene is looked up: pixel centres at whole numbers, inside the picture */
+    float behind[4 * SHADE_TILE_WIDTH]; /* what was found there: [count][4] */
+    float out[4 * SHADE_TILE_WIDTH];    /* [count][4] linear, straight alpha */
+};
+
+/* Rows of normals above, at and below a row of pixels: n[row][component], pixel 0 at index 0, one more pixel on each side. */
+struct shade_normals {
+    const float *n[3][3];
+};
+
+/* Neighbours are always held together where their depths differ by less than this many pixels' footprints: a plane seen at 3 degrees. */
+#define SHADE_SLOPE_MAX 20.0f
+
+/* A particle of colour c absorbs SHADE_TINT * (SHADE_TINT_LEAST + 1 - c) of the mean absorption in each channel: a white one nearly nothing, a
+ * pure red one green and blue as strongly as water does red. */
+#define SHADE_TINT 2.0f
+#define SHADE_TINT_LEAST 0.1f
+
+/* The highlight: full from a tenth of a right angle between surface and sun; and the eye's cosine from which on it grows no more. */
+#define SHADE_SUNSET 6.0f
+#define SHADE_GRAZING 0.15f
+
+/* Arrays may be read and written up to count rounded up to 16. Tolerances against plain C, relative to the largest value, come from fused
+ * products and from reciprocals and roots of 3e-7. */
 struct shade_kernels {
-    int none;
+    /* Normals from depth (at pixel x of row y, rows `stride` apart, a border beyond the picture): the full derivative of the back-projected
+     * position. Central differences; the smaller one-sided one where a neighbour is apart. No fluid (0 normals) where depth is not in
+     * (0, DEPTH_LIMIT) or not before scene_depth (NULL: nothing there). Returns how many pixels have fluid. 2e-6 where no difference is within
+     * rounding of the edge. */
+    int (*normals)(const struct shade_optics *optics, const float *depth, ptrdiff_t stride, const float *scene_depth, int x, int y, int count,
+                   float *nx, float *ny, float *nz);
+
+    /* Mean curvature, 1/metre, from normals and depth: half the divergence of the unit normal. 0 where no fluid is. 1e-4 of 1 / footprint: differences of nearly equal normals. */
+    void (*curvature)(const struct shade_optics *optics, const struct shade_normals *normals, const float *depth, ptrdiff_t stride, int x, int y,
+                      int count, float *curvature);
+
+    /* Fresnel reflectance, transmittance, lookup. has_color: the particles' colours tint. 4e-6; lookups 2e-4 pixels in 2000. */
+    void (*optics)(const struct shade_optics *optics, bool has_color, struct shade_row *row);
+
+    /* behind: the scene at the lookups, bilinear; towards the pixel itself where something that stands before the fluid would be seen. Where no
+     * fluid is: the pixel's own scene. 2e-6 for equal lookups. */
+    void (*fetch)(const struct shade_optics *optics, struct shade_row *row);
+
+    /* out: the fluid over what is behind ([LGS09] eq. 13 and 14). 1e-4 of the largest value: the highlight is a high power. */
+    void (*water)(const struct shade_optics *optics, bool has_color, struct shade_row *row);
+
+    /* out: an opaque surface in the same light, the pixel's own scene where no fluid is. As water. */
+    void (*opaque)(const struct shade_optics *optics, bool has_color, struct shade_row *row);
+
+    /* count pixels of linear colour (times gain) and straight alpha as the caller wants them: sRGB and rounded to nearest in integers, NaN as 0;
+     * channels 3 or 4. Integers differ by 1 at most, where the exact value is within 0.01 (8 bits) or 0.3 (16 bits) of halfway. */
+    void (*encode)(const float *rgba, int count, float gain, enum pixel_meaning meaning, enum mns_pixel pixel, int channels, void *out);
 };
 
 extern const struct shade_kernels mns_shade_kernels_scalar, mns_shade_kernels_sse2, mns_shade_kernels_avx2, mns_shade_kernels_avx512,

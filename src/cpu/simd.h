@@ -85,6 +85,27 @@ SIMD vi vf_bits(vf a) { return _mm512_castps_si512(a); }
 SIMD vf vi_as_float(vi a) { return _mm512_castsi512_ps(a); }
 SIMD vf vf_gather(const float *base, vi index) { return _mm512_i32gather_ps(index, base, 4); }
 SIMD vf vf_scale2(vf a, vf n) { return _mm512_scalef_ps(a, n); } /* a * 2^n, n whole */
+SIMD void vf_lanes_apart(vf p[4]) /* pixels 0-3, 4-7, ... in four vectors -> 0 4 8 12, 1 5 9 13, ... */
+{
+    vf a = _mm512_shuffle_f32x4(p[0], p[1], 0x88), b = _mm512_shuffle_f32x4(p[0], p[1], 0xdd);
+    vf c = _mm512_shuffle_f32x4(p[2], p[3], 0x88), d = _mm512_shuffle_f32x4(p[2], p[3], 0xdd);
+    p[0] = _mm512_shuffle_f32x4(a, c, 0x88);
+    p[1] = _mm512_shuffle_f32x4(b, d, 0x88);
+    p[2] = _mm512_shuffle_f32x4(a, c, 0xdd);
+    p[3] = _mm512_shuffle_f32x4(b, d, 0xdd);
+}
+SIMD void vf_lanes_together(vf p[4]) { vf_lanes_apart(p); } /* its own inverse */
+SIMD void vf_transpose_4(vf p[4])
+{
+    __m512d a = _mm512_castps_pd(_mm512_unpacklo_ps(p[0], p[1])), b = _mm512_castps_pd(_mm512_unpackhi_ps(p[0], p[1]));
+    __m512d c = _mm512_castps_pd(_mm512_unpacklo_ps(p[2], p[3])), d = _mm512_castps_pd(_mm512_unpackhi_ps(p[2], p[3]));
+    p[0] = _mm512_castpd_ps(_mm512_unpacklo_pd(a, c));
+    p[1] = _mm512_castpd_ps(_mm512_unpackhi_pd(a, c));
+    p[2] = _mm512_castpd_ps(_mm512_unpacklo_pd(b, d));
+    p[3] = _mm512_castpd_ps(_mm512_unpackhi_pd(b, d));
+}
+SIMD void vi_store_u8(uint8_t *p, vi a) { _mm_storeu_si128((__m128i *)(void *)p, _mm512_cvtepi32_epi8(a)); }
+SIMD void vi_store_u16(uint16_t *p, vi a) { _mm256_storeu_si256((__m256i *)(void *)p, _mm512_cvtepi32_epi16(a)); }
 
 #elif defined(MNS_SIMD_AVX2)
 
@@ -167,6 +188,41 @@ SIMD vf vf_gather(const float *base, vi index) { return _mm256_i32gather_ps(base
 SIMD vf vf_scale2(vf a, vf n)
 {
     return _mm256_mul_ps(a, vi_as_float(vi_shl(vi_add(vf_nearest(n), vi_set1(127)), 23)));
+}
+
+SIMD void vf_lanes_apart(vf p[4]) /* pixels 0 1, 2 3, 4 5, 6 7 in four vectors -> 0 4, 1 5, 2 6, 3 7 */
+{
+    vf a = p[0], b = p[1], c = p[2], d = p[3];
+    p[0] = _mm256_permute2f128_ps(a, c, 0x20);
+    p[1] = _mm256_permute2f128_ps(a, c, 0x31);
+    p[2] = _mm256_permute2f128_ps(b, d, 0x20);
+    p[3] = _mm256_permute2f128_ps(b, d, 0x31);
+}
+SIMD void vf_lanes_together(vf p[4]) /* and back */
+{
+    vf a = p[0], b = p[1], c = p[2], d = p[3];
+    p[0] = _mm256_permute2f128_ps(a, b, 0x20);
+    p[1] = _mm256_permute2f128_ps(c, d, 0x20);
+    p[2] = _mm256_permute2f128_ps(a, b, 0x31);
+    p[3] = _mm256_permute2f128_ps(c, d, 0x31);
+}
+SIMD void vf_transpose_4(vf p[4])
+{
+    __m256d a = _mm256_castps_pd(_mm256_unpacklo_ps(p[0], p[1])), b = _mm256_castps_pd(_mm256_unpackhi_ps(p[0], p[1]));
+    __m256d c = _mm256_castps_pd(_mm256_unpacklo_ps(p[2], p[3])), d = _mm256_castps_pd(_mm256_unpackhi_ps(p[2], p[3]));
+    p[0] = _mm256_castpd_ps(_mm256_unpacklo_pd(a, c));
+    p[1] = _mm256_castpd_ps(_mm256_unpackhi_pd(a, c));
+    p[2] = _mm256_castpd_ps(_mm256_unpacklo_pd(b, d));
+    p[3] = _mm256_castpd_ps(_mm256_unpackhi_pd(b, d));
+}
+SIMD void vi_store_u16(uint16_t *p, vi a)
+{
+    _mm_storeu_si128((__m128i *)(void *)p, _mm_packus_epi32(_mm256_castsi256_si128(a), _mm256_extracti128_si256(a, 1)));
+}
+SIMD void vi_store_u8(uint8_t *p, vi a)
+{
+    __m128i words = _mm_packus_epi32(_mm256_castsi256_si128(a), _mm256_extracti128_si256(a, 1));
+    _mm_storel_epi64((__m128i *)(void *)p, _mm_packus_epi16(words, words));
 }
 
 #elif defined(MNS_SIMD_SSE2)
@@ -277,6 +333,21 @@ SIMD vf vf_scale2(vf a, vf n)
     return _mm_mul_ps(a, vi_as_float(vi_shl(vi_add(vf_nearest(n), vi_set1(127)), 23)));
 }
 
+SIMD void vf_lanes_apart(vf p[4]) { (void)p; } /* one pixel each already */
+SIMD void vf_lanes_together(vf p[4]) { (void)p; }
+SIMD void vf_transpose_4(vf p[4]) { _MM_TRANSPOSE4_PS(p[0], p[1], p[2], p[3]); }
+SIMD void vi_store_u16(uint16_t *p, vi a) /* there is no unsigned pack: signed, about 2^15 */
+{
+    __m128i words = _mm_packs_epi32(_mm_sub_epi32(a, _mm_set1_epi32(32768)), _mm_setzero_si128());
+    _mm_storel_epi64((__m128i *)(void *)p, _mm_xor_si128(words, _mm_set1_epi16(-32768)));
+}
+SIMD void vi_store_u8(uint8_t *p, vi a)
+{
+    __m128i words = _mm_packs_epi32(a, a);
+    int32_t bytes = _mm_cvtsi128_si32(_mm_packus_epi16(words, words));
+    __builtin_memcpy(p, &bytes, sizeof(bytes));
+}
+
 #elif defined(MNS_SIMD_NEON)
 
 #define VLEN 4
@@ -355,10 +426,35 @@ SIMD vf vf_gather(const float *base, vi index)
 }
 SIMD vf vf_scale2(vf a, vf n) { return a * vi_as_float(vi_shl(vi_add(vf_nearest(n), vi_set1(127)), 23)); }
 
+SIMD void vf_lanes_apart(vf p[4]) { (void)p; } /* one pixel each already */
+SIMD void vf_lanes_together(vf p[4]) { (void)p; }
+SIMD void vf_transpose_4(vf p[4])
+{
+    float32x4x2_t a = vtrnq_f32(p[0], p[1]), b = vtrnq_f32(p[2], p[3]);
+    p[0] = vcombine_f32(vget_low_f32(a.val[0]), vget_low_f32(b.val[0]));
+    p[1] = vcombine_f32(vget_low_f32(a.val[1]), vget_low_f32(b.val[1]));
+    p[2] = vcombine_f32(vget_high_f32(a.val[0]), vget_high_f32(b.val[0]));
+    p[3] = vcombine_f32(vget_high_f32(a.val[1]), vget_high_f32(b.val[1]));
+}
+SIMD void vi_store_u16(uint16_t *p, vi a) { vst1_u16(p, vmovn_u32(vreinterpretq_u32_s32(a))); }
+SIMD void vi_store_u8(uint8_t *p, vi a)
+{
+    uint16x4_t words = vmovn_u32(vreinterpretq_u32_s32(a));
+    uint8x8_t bytes = vmovn_u16(vcombine_u16(words, words));
+    vst1_lane_u32((uint32_t *)(void *)p, vreinterpret_u32_u8(bytes), 0);
+}
+
 #endif
 
 SIMD int vm_any(vm a) { return vm_bits(a) != 0; }
 SIMD int vm_all(vm a) { return vm_bits(a) == (1u << VLEN) - 1u; }
+SIMD vf vf_either(int first, vf a, vf b) /* for all lanes alike; ?: wants one spelling of the type */
+{
+    if (first) {
+        return a;
+    }
+    return b;
+}
 SIMD vf vf_zero(void) { return vf_set1(0.0f); }
 SIMD vf vf_clamp(vf a, vf low, vf high) { return vf_min(vf_max(a, low), high); }
 
@@ -399,5 +495,52 @@ SIMD vf vf_expm1(vf a)
     vf scale = vf_scale2(vf_set1(1.0f), n);
     return vf_fma(scale, p * f, scale - vf_set1(1.0f));
 }
+
+/* Natural logarithm of a positive normal number, within 1e-7 absolute or 2e-7 relative: ln(2^e m) with m in [sqrt(1/2), sqrt(2)), by Cephes'
+ * polynomial for ln(1 + f). */
+SIMD vf vf_log(vf a)
+{
+    vi bits = vf_bits(a), e = vi_sub(vi_shr(vi_add(bits, vi_set1(0x3f800000 - 0x3f3504f3)), 23), vi_set1(127));
+    vf f = vi_as_float(vi_sub(bits, vi_shl(e, 23))) - vf_set1(1.0f), f2 = f * f, p = vf_set1(7.0376836e-2f);
+    p = vf_fma(p, f, vf_set1(-0.11514610f));
+    p = vf_fma(p, f, vf_set1(0.11676998f));
+    p = vf_fma(p, f, vf_set1(-0.12420141f));
+    p = vf_fma(p, f, vf_set1(0.14249323f));
+    p = vf_fma(p, f, vf_set1(-0.16668057f));
+    p = vf_fma(p, f, vf_set1(0.20000715f));
+    p = vf_fma(p, f, vf_set1(-0.24999994f));
+    p = vf_fma(p, f, vf_set1(0.33333331f));
+    p = vf_fma(p * f, f2, vf_fma(f2, vf_set1(-0.5f), f));
+    return vf_fma(vi_float(e), vf_set1(0.69314718f), p);
+}
+
+/* VLEN pixels of four floats each, and their channels. */
+SIMD void vf_load_rgba(const float *p, vf c[4])
+{
+    for (int i = 0; i < 4; i++) {
+        c[i] = vf_loadu(p + i * VLEN);
+    }
+    vf_lanes_apart(c);
+    vf_transpose_4(c);
+}
+SIMD void vf_store_rgba(float *p, vf r, vf g, vf b, vf a)
+{
+    vf c[4] = {r, g, b, a};
+    vf_transpose_4(c);
+    vf_lanes_together(c);
+    for (int i = 0; i < 4; i++) {
+        vf_storeu(p + i * VLEN, c[i]);
+    }
+}
+
+/* One pixel of four floats. */
+typedef float v4 __attribute__((vector_size(16)));
+SIMD v4 v4_loadu(const float *p)
+{
+    v4 a;
+    __builtin_memcpy(&a, p, sizeof(a));
+    return a;
+}
+SIMD void v4_storeu(float *p, v4 a) { __builtin_memcpy(p, &a, sizeof(a)); }
 
 #endif

@@ -1,6 +1,400 @@
 /* shade.c: the kernels of stage shade over simd.h. */
 #include "cpu/shade.h"
 
+#include "cpu/plane.h"
 #include "cpu/simd.h"
+#include "cpu/simd/sky.h"
 
-const struct shade_kernels SIMD_NAME(mns_shade_kernels) = {0};
+#include <string.h>
+
+SIMD vf vf_neg(vf a) { return vf_zero() - a; }
+
+SIMD vf vf_saturate(vf a) { return vf_clamp(a, vf_zero(), vf_set1(1.0f)); }
+
+struct v3 {
+    vf x, y, z;
+};
+
+SIMD vf v3_dot(struct v3 a, struct v3 b) { return vf_fma(a.x, b.x, vf_fma(a.y, b.y, a.z * b.z)); }
+
+/* a + s b */
+SIMD struct v3 v3_fma(vf s, struct v3 b, struct v3 a) { return (struct v3){vf_fma(s, b.x, a.x), vf_fma(s, b.y, a.y), vf_fma(s, b.z, a.z)}; }
+
+SIMD struct v3 v3_scale(vf s, struct v3 a) { return (struct v3){s * a.x, s * a.y, s * a.z}; }
+
+SIMD struct v3 v3_set(const float a[3]) { return (struct v3){vf_set1(a[0]), vf_set1(a[1]), vf_set1(a[2])}; }
+
+/* Pixels x + 0 ... VLEN - 1, from the centre of the picture. */
+SIMD vf columns(const struct shade_optics *o, int x) { return vf_iota() + vf_set1((float)x + 0.5f - o->cx); }
+
+SIMD float rows(const struct shade_optics *o, int y) { return (float)y + 0.5f - o->cy; }
+
+SIMD struct v3 rays(const struct shade_optics *o, int x, int y)
+{
+    if (o->orthographic) {
+        return (struct v3){vf_zero(), vf_zero(), vf_set1(1.0f)};
+    }
+    vf dx = columns(o, x) * vf_set1(o->step_x), dy = vf_set1(rows(o, y) * o->step_y), one = vf_set1(1.0f);
+    vf scale = vf_rsqrt(vf_fma(dx, dx, vf_fma(dy, dy, one)));
+    return (struct v3){dx * scale, dy * scale, scale};
+}
+
+SIMD vm is_fluid(vf depth) { return vm_and(vf_gt(depth, vf_zero()), vf_lt(depth, vf_set1(DEPTH_LIMIT))); }
+
+SIMD vf slope(vf before, vf here, vf after, vf edge, bool one_sided)
+{
+    vf far = vf_set1(DEPTH_EMPTY), back = vf_select(is_fluid(before), here - before, far), ahead = vf_select(is_fluid(after), after - here, far);
+    vf back_size = vf_abs(back), ahead_size = vf_abs(ahead);
+    vf smaller = vf_select(vf_lt(back_size, ahead_size), back, ahead);
+    smaller = vf_keep(vf_le(vf_abs(smaller), edge), smaller);
+    return vf_either(one_sided, smaller, vf_select(vf_le(vf_max(back_size, ahead_size), edge), vf_set1(0.5f) * (back + ahead), smaller));
+}
+
+static int normals(const struct shade_optics *o, const float *depth, ptrdiff_t stride, const float *scene_depth, int x, int y, int count,
+                   float *nx, float *ny, float *nz)
+{
+    int found = 0;
+    vf fx = vf_set1(o->fx), fy = vf_set1(o->fy), edge = vf_set1(o->edge), one = vf_set1(1.0f);
+    vf widest_x = vf_set1(SHADE_SLOPE_MAX * o->step_x), widest_y = vf_set1(SHADE_SLOPE_MAX * o->step_y), row = vf_set1(rows(o, y));
+    for (int i = 0; i < count; i += VLEN) {
+        const float *at = depth + i;
+        vf z = vf_loadu(at);
+        vm here = vm_and(is_fluid(z), vm_first(count - i));
+        if (scene_depth) {
+            here = vm_and(here, vf_lt(z, vf_loadu(scene_depth + i)));
+        }
+        struct v3 n = {vf_zero(), vf_zero(), vf_zero()};
+        unsigned bits = vm_bits(here);
+        if (bits) {
+            found += __builtin_popcount(bits);
+            z = vf_select(here, z, one);
+            vf per_z = vf_either(o->orthographic, one, z);
+            vf zx = slope(vf_loadu(at - 1), z, vf_loadu(at + 1), vf_max(edge, per_z * widest_x), o->one_sided);
+            vf zy = slope(vf_loadu(at - stride), z, vf_loadu(at + stride), vf_max(edge, per_z * widest_y), o->one_sided);
+            vf depth_part = vf_either(o->orthographic, one, vf_fma(columns(o, x + i), zx, vf_fma(row, zy, z)));
+            n = (struct v3){fx * zx, fy * zy, vf_neg(depth_part)};
+            vf scale = vf_keep(here, vf_rsqrt(v3_dot(n, n)));
+            n = v3_scale(scale, n);
+        }
+        vf_storeu(nx + i, n.x);
+        vf_storeu(ny + i, n.y);
+        vf_storeu(nz + i, n.z);
+    }
+    return found;
+}
+
+SIMD vf normal_slope(vf before, vf here, vf after, vm has_before, vm has_after)
+{
+    vf sum = vf_keep(has_before, here - before) + vf_keep(has_after, after - here);
+    return vf_select(vm_and(has_before, has_after), vf_set1(0.5f), vf_set1(1.0f)) * sum;
+}
+
+SIMD vm together(vf here, vf other, vf edge) { return vm_and(is_fluid(other), vf_le(vf_abs(other - here), edge)); }
+
+static void curvature(const struct shade_optics *o, const struct shade_normals *normals, const float *depth, ptrdiff_t stride, int x, int y,
+                      int count, float *out)
+{
+    vf edge = vf_set1(o->edge), one = vf_set1(1.0f), ray_y = vf_set1(o->orthographic ? 0 : rows(o, y) * o->step_y);
+    for (int i = 0; i < count; i += VLEN) {
+        const float *at = depth + i;
+        vf z = vf_loadu(at);
+        vm here = is_fluid(z);
+        z = vf_select(here, z, one);
+        vf per_z = vf_either(o->orthographic, one, z);
+        vf edge_x = vf_max(edge, per_z * vf_set1(SHADE_SLOPE_MAX * o->step_x)), edge_y = vf_max(edge, per_z * vf_set1(SHADE_SLOPE_MAX * o->step_y));
+        vm left = together(z, vf_loadu(at - 1), edge_x), right = together(z, vf_loadu(at + 1), edge_x);
+        vm above = together(z, vf_loadu(at - stride), edge_y), below = together(z, vf_loadu(at + stride), edge_y);
+        vf along_x[3], along_y[3];
+        for (int c = 0; c < 3; c++) {
+            const float *row = normals->n[1][c] + i;
+            vf n = vf_loadu(row);
+            along_x[c] = normal_slope(vf_loadu(row - 1), n, vf_loadu(row + 1), left, right);
+            along_y[c] = normal_slope(vf_loadu(normals->n[0][c] + i), n, vf_loadu(normals->n[2][c] + i), above, below);
+        }
+        vf ray_x = vf_either(o->orthographic, vf_zero(), columns(o, x + i) * vf_set1(o->step_x));
+        vf sum = vf_fma(vf_set1(o->fx), vf_fnma(ray_x, along_x[2], along_x[0]), vf_set1(o->fy) * vf_fnma(ray_y, along_y[2], along_y[1]));
+        vf_storeu(out + i, vf_keep(here, vf_set1(0.5f) * vf_rcp(per_z) * sum));
+    }
+}
+
+SIMD vf fresnel(const struct shade_optics *o, vf cosine)
+{
+    vf one = vf_set1(1.0f);
+    if (o->schlick) {
+        float normal = (o->index - 1) / (o->index + 1) * (o->index - 1) / (o->index + 1);
+        vf rest = one - cosine, rest2 = rest * rest;
+        return vf_fma(vf_set1(1 - normal) * rest2 * rest2, rest, vf_set1(normal));
+    }
+    vf g = vf_root(vf_max(vf_fma(cosine, cosine, vf_set1(o->index * o->index - 1)), vf_set1(1e-24f)));
+    vf a = (g - cosine) * vf_rcp(vf_max(g + cosine, vf_set1(1e-12f)));
+    vf b = vf_fma(cosine, g + cosine, vf_neg(one)) * vf_rcp(vf_fma(cosine, g - cosine, one));
+    return vf_set1(0.5f) * a * a * vf_fma(b, b, one);
+}
+
+SIMD vf mirror(vf at, float last)
+{
+    vf end = vf_set1(last);
+    at = vf_abs(at);
+    return vf_clamp(vf_select(vf_gt(at, end), end + end - at, at), vf_zero(), end);
+}
+
+SIMD struct v3 row_normals(const struct shade_row *row, int i)
+{
+    return (struct v3){vf_loadu(row->nx + i), vf_loadu(row->ny + i), vf_loadu(row->nz + i)};
+}
+
+SIMD void look_up(const struct shade_optics *o, struct shade_row *row, int i, struct v3 n, struct v3 v, vf cosine)
+{
+    float inverse = 1 / o->index;
+    vf one = vf_set1(1.0f), inside = vf_root(vf_max(vf_fnma(vf_set1(inverse * inverse), vf_fnma(cosine, cosine, one), one), vf_set1(1e-12f)));
+    vf z = vf_loadu(row->depth + i), travel = vf_set1(o->refraction) * vf_loadu(row->thickness + i) * cosine * vf_rcp(inside);
+    struct v3 ray = v3_fma(vf_fma(vf_set1(inverse), cosine, vf_neg(inside)), n, v3_scale(vf_set1(inverse), v));
+    vf per_z = vf_either(o->orthographic, one, z), across = columns(o, row->x + i) * vf_set1(o->step_x) * per_z;
+    vf down = vf_set1(rows(o, row->y) * o->step_y) * per_z;
+    struct v3 far = v3_fma(travel, ray, (struct v3){across, down, z});
+    vf per_far = vf_either(o->orthographic, one, vf_rcp(vf_max(far.z, vf_set1(0.5f) * z)));
+    vf look_x = vf_fma(vf_set1(o->fx) * far.x, per_far, vf_set1(o->cx - 0.5f));
+    vf look_y = vf_fma(vf_set1(o->fy) * far.y, per_far, vf_set1(o->cy - 0.5f));
+    vf_storeu(row->look_x + i, mirror(look_x, (float)(o->width - 1)));
+    vf_storeu(row->look_y + i, mirror(look_y, (float)(o->height - 1)));
+}
+
+static void optics(const struct shade_optics *o, bool has_color, struct shade_row *row)
+{
+    for (int i = 0; i < row->count; i += VLEN) {
+        struct v3 n = row_normals(row, i);
+        if (!vm_any(vf_lt(vf_zero(), v3_dot(n, n)))) {
+            continue;
+        }
+        struct v3 v = rays(o, row->x + i, row->y);
+        vf cosine = vf_saturate(vf_neg(v3_dot(n, v))), thickness = vf_loadu(row->thickness + i);
+        vf_storeu(row->fresnel + i, fresnel(o, cosine));
+        for (int c = 0; c < 3; c++) {
+            vf absorption = vf_set1(o->absorption[c]);
+            if (has_color) {
+                vf color = vf_saturate(vf_loadu(row->color[c] + i));
+                absorption = vf_set1(o->absorption_mean * SHADE_TINT) * (vf_set1(SHADE_TINT_LEAST + 1) - color);
+            }
+            vf_storeu(row->transmittance[c] + i, vf_exp(vf_neg(vf_min(absorption * thickness, vf_set1(80.0f)))));
+        }
+        look_up(o, row, i, n, v, cosine);
+    }
+}
+
+/* Bilinear at (x, y); false, and nothing said, when anything there stands before depth. */
+SIMD bool scene_at(const struct shade_optics *o, float x, float y, float depth, float *out)
+{
+    int left = (int)x, top = (int)y, last_left = o->width - 2 > 0 ? o->width - 2 : 0, last_top = o->height - 2 > 0 ? o->height - 2 : 0;
+    left = left < last_left ? left : last_left;
+    top = top < last_top ? top : last_top;
+    float fx = x - (float)left, fy = y - (float)top;
+    ptrdiff_t right = o->width > 1, below = o->height > 1;
+    if (o->scene_depth) {
+        const float *d = o->scene_depth + top * o->scene_depth_stride + left, *e = d + below * o->scene_depth_stride;
+        if (d[0] < depth || d[right] < depth || e[0] < depth || e[right] < depth) {
+            return false;
+        }
+    }
+    const float *texel = o->scene + 4 * (top * o->scene_stride + left), *under = texel + 4 * below * o->scene_stride;
+    v4 a = v4_loadu(texel), b = v4_loadu(under);
+    a += fx * (v4_loadu(texel + 4 * right) - a);
+    b += fx * (v4_loadu(under + 4 * right) - b);
+    v4_storeu(out, a + fy * (b - a));
+    return true;
+}
+
+static void fetch(const struct shade_optics *o, struct shade_row *row)
+{
+    const float *own = o->scene + 4 * (row->y * o->scene_stride + row->x);
+    for (int i = 0; i < row->count; i++) {
+        float *out = row->behind + 4 * i;
+        if (row->nz[i] == 0) {
+            v4_storeu(out, v4_loadu(own + 4 * i));
+            continue;
+        }
+        float x = (float)(row->x + i), y = (float)row->y, away_x = row->look_x[i] - x, away_y = row->look_y[i] - y, depth = row->depth[i];
+        if (!scene_at(o, row->look_x[i], row->look_y[i], depth, out) && !scene_at(o, x + 0.5f * away_x, y + 0.5f * away_y, depth, out) &&
+            !scene_at(o, x + 0.25f * away_x, y + 0.25f * away_y, depth, out)) {
+            v4_storeu(out, v4_loadu(own + 4 * i));
+        }
+    }
+}
+
+/* Beyond these the highlight is under 1e-7 of the light. */
+static const float GLINT_NOTHING = -28.0f;
+
+SIMD vf highlight(const struct shade_optics *o, struct v3 n, struct v3 v, vf cosine)
+{
+    struct v3 sun = v3_set(o->sky.sun), between = {sun.x - v.x, sun.y - v.y, sun.z - v.z};
+    vf one = vf_set1(1.0f), scale = vf_rsqrt(vf_max(v3_dot(between, between), vf_set1(1e-12f)));
+    vf half_cosine = vf_saturate(v3_dot(between, n) * scale), towards = v3_dot(sun, n), shininess = vf_set1(o->shininess);
+    vm lit = vm_and(vf_gt(towards, vf_zero()), vf_gt(shininess * (half_cosine - one), vf_set1(GLINT_NOTHING))); /* ln c <= c - 1 */
+    lit = vm_and(lit, vf_gt(half_cosine, vf_zero()));
+    if (!vm_any(lit)) {
+        return vf_zero();
+    }
+    vf power = vf_exp(vf_max(shininess * vf_log(vf_select(lit, half_cosine, one)), vf_set1(-80.0f)));
+    vf seen = vf_saturate(towards * vf_set1(SHADE_SUNSET)) * vf_rcp(vf_max(cosine, vf_set1(SHADE_GRAZING)));
+    vf reflectance = fresnel(o, vf_saturate(v3_dot(between, sun) * scale));
+    return vf_keep(lit, vf_set1(o->specular * 0.125f * (o->shininess + 2)) * power * reflectance * seen);
+}
+
+SIMD void reflected(const struct shade_optics *o, struct v3 n, struct v3 v, vf cosine, vf out[3])
+{
+    struct v3 r = v3_fma(cosine + cosine, n, v);
+    sky_radiance(&o->sky, vf_dot(o->sky.up, r.x, r.y, r.z), sky_sun_distance2(&o->sky, r.x, r.y, r.z), out);
+}
+
+/* Stores out where fluid is and the pixels' own scene elsewhere. */
+SIMD void store_over(const struct shade_optics *o, struct shade_row *row, int i, vm fluid, vf out[4])
+{
+    if (!vm_all(fluid)) {
+        vf own[4];
+        vf_load_rgba(o->scene + 4 * (row->y * o->scene_stride + row->x + i), own);
+        for (int c = 0; c < 4; c++) {
+            out[c] = vf_select(fluid, out[c], own[c]);
+        }
+    }
+    vf_store_rgba(row->out + 4 * i, out[0], out[1], out[2], out[3]);
+}
+
+/* Straight colour and alpha of fluid before nothing: covers is what it hides, alpha makes room for what it adds. */
+SIMD void over_nothing(vf covers, vf out[4])
+{
+    vf one = vf_set1(1.0f);
+    out[3] = vf_max(covers, vf_min(vf_max(out[0], vf_max(out[1], out[2])), one));
+    vf scale = vf_rcp(vf_max(out[3], vf_set1(1e-6f)));
+    for (int c = 0; c < 3; c++) {
+        out[c] = out[c] * scale;
+    }
+}
+
+SIMD void water_at(const struct shade_optics *o, bool has_color, struct shade_row *row, int i, struct v3 n, vm fluid)
+{
+    struct v3 v = rays(o, row->x + i, row->y);
+    vf one = vf_set1(1.0f), cosine = vf_saturate(vf_neg(v3_dot(n, v))), shine = vf_loadu(row->fresnel + i), enters = one - shine, covers = vf_zero();
+    vf glint = highlight(o, n, v, cosine), mirrored[3], behind[4] = {vf_zero(), vf_zero(), vf_zero(), vf_zero()}, out[4];
+    reflected(o, n, v, cosine, mirrored);
+    shine = shine * vf_set1(o->reflection);
+    if (!o->transparent) {
+        vf_load_rgba(row->behind + 4 * i, behind);
+    }
+    for (int c = 0; c < 3; c++) {
+        vf through = vf_loadu(row->transmittance[c] + i), scatter = vf_set1(o->scatter[c]);
+        if (has_color) {
+            scatter = vf_set1(o->scatter_light[c]) * vf_saturate(vf_loadu(row->color[c] + i));
+        }
+        vf body = vf_fma(through, behind[c] - scatter, scatter);
+        out[c] = vf_fma(enters, body, vf_fma(shine, mirrored[c], glint * vf_set1(o->sky.sun_light[c])));
+        covers = vf_fma(vf_fnma(enters, through, one), vf_set1(1 / 3.0f), covers);
+    }
+    out[3] = one;
+    if (o->transparent) {
+        over_nothing(covers, out);
+    }
+    store_over(o, row, i, fluid, out);
+}
+
+static void water(const struct shade_optics *o, bool has_color, struct shade_row *row)
+{
+    const float *own = o->scene + 4 * (row->y * o->scene_stride + row->x);
+    for (int i = 0; i < row->count; i += VLEN) {
+        struct v3 n = row_normals(row, i);
+        vm fluid = vm_and(vf_lt(vf_zero(), v3_dot(n, n)), vm_first(row->count - i));
+        if (vm_any(fluid)) {
+            water_at(o, has_color, row, i, n, fluid);
+        } else {
+            memcpy(row->out + 4 * i, own + 4 * i, 4 * VLEN * sizeof(float));
+        }
+    }
+}
+
+static void opaque(const struct shade_optics *o, bool has_color, struct shade_row *row)
+{
+    const struct sky *sky = &o->sky;
+    for (int i = 0; i < row->count; i += VLEN) {
+        struct v3 n = row_normals(row, i), v = rays(o, row->x + i, row->y);
+        vm fluid = vm_and(vf_lt(vf_zero(), v3_dot(n, n)), vm_first(row->count - i));
+        vf cosine = vf_saturate(vf_neg(v3_dot(n, v))), shine = fresnel(o, cosine) * vf_set1(o->reflection), mirrored[3], out[4];
+        reflected(o, n, v, cosine, mirrored);
+        vf glint = highlight(o, n, v, cosine), sun = vf_max(v3_dot(n, v3_set(sky->sun)), vf_zero());
+        vf half = vf_set1(0.5f), up = vf_fma(half, v3_dot(n, v3_set(sky->up)), half);
+        for (int c = 0; c < 3; c++) {
+            vf albedo = vf_set1(o->opaque[c]);
+            if (has_color) {
+                albedo = vf_saturate(vf_loadu(row->color[c] + i));
+            }
+            vf below = vf_set1(0.5f * sky->ground[c]), ambient = vf_fma(up, vf_set1(sky->sky_light[c]) - below, below);
+            vf light = vf_fma(sun, vf_set1(sky->sun_light[c]), ambient);
+            out[c] = vf_fma(albedo, light, vf_fma(shine, mirrored[c], glint * vf_set1(sky->sun_light[c])));
+        }
+        out[3] = vf_set1(1.0f);
+        store_over(o, row, i, fluid, out);
+    }
+}
+
+/* Channels of VLEN / 4 pixels as codes from 0 to 1. */
+SIMD vf codes(const float *rgba, vf gain, vm is_color)
+{
+    vf value = vf_saturate(vf_loadu(rgba) * gain);
+    if (!vm_any(is_color)) {
+        return value;
+    }
+    vf curve = vf_fma(vf_set1(1.055f), vf_exp(vf_set1(1 / 2.4f) * vf_log(vf_max(value, vf_set1(0.003f)))), vf_set1(-0.055f));
+    vf code = vf_select(vf_le(value, vf_set1(0.0031308f)), vf_set1(12.92f) * value, curve);
+    return vf_min(vf_select(is_color, code, value), vf_set1(1.0f));
+}
+
+SIMD void encode_floats(const float *rgba, int count, float gain, int channels, float *out)
+{
+    for (int i = 0; i < count; i++) {
+        for (int c = 0; c < channels; c++) {
+            out[channels * i + c] = rgba[4 * i + c] * (c < 3 ? gain : 1);
+        }
+    }
+}
+
+enum { ENCODE_PIECE = 64 }; /* pixels that are encoded at a time, since the caller's row must not be written beyond its end */
+
+static void encode(const float *rgba, int count, float gain, enum pixel_meaning meaning, enum mns_pixel pixel, int channels, void *out)
+{
+    if (pixel == MNS_PIXEL_F32) {
+        encode_floats(rgba, count, gain, channels, out);
+        return;
+    }
+    const float colors[16] = {1, 1, 1, 0, 1, 1, 1, 0, 1, 1, 1, 0, 1, 1, 1, 0};
+    const size_t size = pixel == MNS_PIXEL_U8 ? 1 : 2;
+    vf pattern = vf_loadu(colors), gains = vf_fma(pattern, vf_set1(gain - 1), vf_set1(1.0f));
+    vm is_color = vf_gt(pattern, vf_set1(meaning == PIXEL_COLOR ? 0.5f : 2.0f));
+    vf top = vf_set1(pixel == MNS_PIXEL_U8 ? 255.0f : 65535.0f), half = vf_set1(0.5f);
+    for (int begin = 0; begin < count; begin += ENCODE_PIECE) {
+        uint8_t bytes[4 * ENCODE_PIECE + 16];
+        uint16_t words[4 * ENCODE_PIECE + 16];
+        int piece = count - begin < ENCODE_PIECE ? count - begin : ENCODE_PIECE;
+        for (int i = 0; i < 4 * piece; i += VLEN) {
+            vi code = vf_truncate(vf_fma(codes(rgba + 4 * begin + i, gains, is_color), top, half));
+            if (pixel == MNS_PIXEL_U8) {
+                vi_store_u8(bytes + i, code);
+            } else {
+                vi_store_u16(words + i, code);
+            }
+        }
+        const char *from = pixel == MNS_PIXEL_U8 ? (const char *)bytes : (const char *)words;
+        char *to = (char *)out + size * (size_t)channels * (size_t)begin;
+        if (channels == 4) {
+            memcpy(to, from, 4 * size * (size_t)piece);
+        } else {
+            for (int i = 0; i < piece; i++) {
+                memcpy(to + 3 * size * (size_t)i, from + 4 * size * (size_t)i, 3 * size);
+            }
+        }
+    }
+}
+
+const struct shade_kernels SIMD_NAME(mns_shade_kernels) = {.normals = normals,
+                                                          .curvature = curvature,
+                                                          .optics = optics,
+                                                          .fetch = fetch,
+                                                          .water = water,
+                                                          .opaque = opaque,
+                                                          .encode = encode};

@@ -1,0 +1,20 @@
+/* display.h: diagrams in place of the picture: normal, depth, thickness, curvature. */
+#ifndef MNS_CPU_DISPLAY_H
+#define MNS_CPU_DISPLAY_H
+
+#include "cpu/cpu.h"
+
+/* What the picture shows of a quantity, over which the diagram's colours run. */
+struct display_range {
+    float low, high;
+};
+
+bool mns_display_is_diagram(int display);
+
+/* The range of the depth or of the thickness where fluid shows; unused by the other modes. */
+struct display_range mns_display_measure(const struct backend *cpu, const struct frame *frame);
+
+/* out: [count][4], the values as they are shown. */
+void mns_display_row(const struct frame *frame, const struct display_range *range, const struct shade_row *row, const float *curvature, float *out);
+
+#endif

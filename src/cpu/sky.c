@@ -1,0 +1,34 @@
+/* sky.c: the colours of the sky and of the light, told once per picture. */
+#include "cpu/sky.h"
+
+/* Linear radiance of a clear sky at midday, next to sunlit white of about 1.6: photographs have the zenith at a tenth to a fifth of that. */
+static const float ZENITH[3] = {0.11f, 0.24f, 0.55f};
+static const float HORIZON[3] = {0.56f, 0.68f, 0.84f};
+
+/* Parts of the sun's light that the haze scatters about it. */
+static const float GLOW_WIDE = 0.11f, GLOW_NARROW = 0.7f;
+
+/* Ground that no floor covers: dry earth. */
+static const float EARTH[3] = {0.20f, 0.19f, 0.17f};
+
+/* Mean of the haze over the sky, weighted by the cosine to the zenith: integral of 2 h / (1 + 6 h)^2 over [0, 1]. */
+static const float HAZE_MEAN = 0.0605f;
+
+void mns_sky_resolve(struct sky *sky, const struct frame *frame)
+{
+    const struct scene_look *look = &frame->look;
+    const struct mns_params *params = &frame->params;
+    sky_rotate(sky->up, frame->view.rotation, look->up);
+    sky_rotate(sky->sun, frame->view.rotation, look->sun);
+    float elevation_sine = look->sun[look->axis_up];
+    for (int c = 0; c < 3; c++) {
+        sky->zenith[c] = ZENITH[c];
+        sky->horizon[c] = HORIZON[c];
+        sky->sun_light[c] = look->sun_color[c];
+        sky->sky_light[c] = ZENITH[c] + (HORIZON[c] - ZENITH[c]) * HAZE_MEAN;
+        sky->glow_wide[c] = GLOW_WIDE * look->sun_color[c];
+        sky->glow_narrow[c] = GLOW_NARROW * look->sun_color[c];
+        float albedo = look->has_floor ? 0.5f * (params->floor_light[c] + params->floor_dark[c]) : EARTH[c];
+        sky->ground[c] = albedo * (look->sun_color[c] * elevation_sine + sky->sky_light[c]);
+    }
+}
