@@ -11,14 +11,14 @@ static const double DEPTH = 0.34;        /* of the pool at rest */
 static const double BOWL = 0.50;         /* radius of the bowl */
 static const double BOWL_DEPTH = 0.25;
 static const double WALL = 0.52;         /* radius of the wall's foot */
-static const double WALL_HEIGHT = 0.36;  /* without the scallops */
-static const double LEAN = 0.20;         /* how far the rim stands outside the foot */
+static const double WALL_HEIGHT = 0.45;  /* without the scallops */
+static const double LEAN = 0.21;         /* how far the rim stands outside the foot */
 
 enum { JETS = 23, SHED = 3 /* droplets on a jet's line at most */, SPRAY = 520 };
 
 static const double CLOSED = 0.82; /* spacings between the particles of a sheet or a thread one particle thick, so that it has no holes */
 
-static const double ACROSS[2][2] = {{-1.35, -1.05}, {1.35, 1.05}};
+static const double ACROSS[2][2] = {{-1.25, -1.0}, {1.25, 1.0}};
 
 static double ramp(double from, double to, double x)
 {
@@ -29,7 +29,7 @@ static double ramp(double from, double to, double x)
 static double pool_height(double x, double z)
 {
     double r = hypot(x, z), u = r / BOWL, bowl = u < 1 ? (1 - u * u) * (1 - u * u) : 0;
-    double swell = (r - WALL) / 0.085;
+    double swell = (r - WALL) / 0.11;
     double ring = 0.020 * exp(-(r - WALL) / 0.42) * ramp(0.60, 0.78, r) * cos(2 * PI * (r - 0.62) / 0.19);
     double calm = 0.0030 * sin(7.1 * x + 3.3 * z + 0.4) + 0.0024 * sin(-4.2 * x + 8.9 * z + 2.0) + 0.0013 * sin(15.3 * x - 11.2 * z);
     return DEPTH - BOWL_DEPTH * bowl + 0.085 * exp(-swell * swell) + ring + calm * ramp(0.3, 0.9, r);
@@ -55,8 +55,8 @@ static struct jet jet_at(uint64_t i)
 {
     struct jet jet = {.angle = 2 * PI * ((double)i + 0.55 * (sample_hash(i, 7, 1) - 0.5)) / JETS};
     double size = sample_hash(i, 7, 2);
-    jet.length = 0.03 + 0.21 * size * size;
-    jet.radius = 0.017 + 0.011 * sample_hash(i, 7, 3);
+    jet.length = 0.04 + 0.22 * size * size;
+    jet.radius = 0.020 + 0.012 * sample_hash(i, 7, 3);
     jet.bulb = jet.radius * (0.95 + 0.45 * sample_hash(i, 7, 4));
     return jet;
 }
@@ -104,7 +104,7 @@ static void put_wall(struct sample_sink *sink, double spacing, const double *rim
     size_t rows = (size_t)round(1.35 * WALL_HEIGHT / step);
     for (size_t row = 0; row < rows; row++) {
         double v = ((double)row + 0.5) * step, u = v / WALL_HEIGHT;
-        double thickness = 0.052 * exp(-2.2 * u) + 0.016, foot[3], direction[3];
+        double thickness = 0.055 * exp(-2.2 * u) + 0.021, foot[3], direction[3];
         wall_at(0, v, foot);
         size_t around = (size_t)fmax(1, round(2 * PI * foot[0] / step)), layers = (size_t)fmax(1, round(thickness / spacing));
         double phase = sample_hash(row, 11, 1);
@@ -174,7 +174,7 @@ static void put_rim(struct sample_sink *sink, double spacing)
         for (int k = 0; k < 3; k++) {
             velocity[k] *= 2.6;
         }
-        put_slice(sink, spacing, center, along, 0.0155 + 0.004 * sin(9 * angle + 1) + 0.006 * scallop(angle), velocity, i);
+        put_slice(sink, spacing, center, along, 0.019 + 0.004 * sin(9 * angle + 1) + 0.006 * scallop(angle), velocity, i);
     }
 }
 
@@ -218,7 +218,7 @@ static void put_spray(struct sample_sink *sink, double spacing)
 {
     for (uint64_t i = 0; i < SPRAY; i++) {
         double gamma = -log((1 - sample_hash(i, 41, 1)) * (1 - sample_hash(i, 41, 2)) * (1 - sample_hash(i, 41, 3)));
-        double radius = fmin(0.0026 * gamma, 0.024), flight = sample_hash(i, 41, 4);
+        double radius = fmin(0.0030 * gamma, 0.026), flight = sample_hash(i, 41, 4);
         struct jet jet = jet_at((uint64_t)(sample_hash(i, 41, 5) * JETS) % JETS);
         double angle = jet.angle + 0.16 * (sample_hash(i, 41, 6) + sample_hash(i, 41, 7) - 1);
         double r = WALL + LEAN + 0.05 + 0.46 * flight * sqrt(sample_hash(i, 41, 8)) - 0.12 * sample_hash(i, 41, 9);

@@ -23,6 +23,7 @@ void sample_ball(struct sample_sink *sink, double spacing, const double center[3
         double unit = radius / (double)shells, inner = (double)k * unit, outer = inner + unit, middle = inner + 0.5 * unit;
         double share = 4 * PI / 3 * (outer * outer * outer - inner * inner * inner) / (spacing * spacing * spacing);
         size_t count = (size_t)round(share);
+        middle *= shells == 1 ? 0.8 : 1; /* few particles: drawn together, as surface tension does */
         bool inside = k + 1 < shells;
         if (sink->counting) {
             sample_count(sink, inside ? count : 0, inside ? 0 : count);
@@ -55,8 +56,9 @@ static double shaken(double low, double cell, double cells, double index, double
     return low + cell * (index + 0.5 + displacement * smooth_step(to_wall / 4));
 }
 
-/* The column (i, k) of n layers. */
-static void put_column(struct sample_sink *sink, double spacing, const struct sample_pool *pool, const double cells[2], size_t i, size_t k, size_t n)
+/* The column (i, k) of n layers, of which `outside` are near the surface. */
+static void put_column(struct sample_sink *sink, double spacing, const struct sample_pool *pool, const double cells[2], size_t i, size_t k, size_t n,
+                       size_t outside)
 {
     double cell[2] = {(pool->high[0] - pool->low[0]) / cells[0], (pool->high[1] - pool->low[1]) / cells[1]};
     size_t top = n < TOP_LAYERS ? n : TOP_LAYERS;
@@ -77,7 +79,7 @@ static void put_column(struct sample_sink *sink, double spacing, const struct sa
             position[1] = deep_height - step * (l - (double)top + 0.5 + (layer + 1 == n ? 0.04 : 0.2) * dy);
         }
         pool->velocity(position[0], position[1], position[2], velocity);
-        sample_put(sink, position, velocity, density_at(layer, place, layer, 4), layer >= TOP_LAYERS);
+        sample_put(sink, position, velocity, density_at(layer, place, layer, 4), layer >= outside);
     }
 }
 
@@ -91,11 +93,13 @@ void sample_pool(struct sample_sink *sink, double spacing, const struct sample_p
         for (size_t k = 0; k < (size_t)cells[1]; k++) {
             double x = pool->low[0] + (pool->high[0] - pool->low[0]) * ((double)i + 0.5) / cells[0];
             double z = pool->low[1] + (pool->high[1] - pool->low[1]) * ((double)k + 0.5) / cells[1];
-            size_t n = (size_t)fmax(1, round(pool->height(x, z) / spacing)), outside = n < TOP_LAYERS ? n : TOP_LAYERS;
+            double to_wall = fmin(fmin((double)i, cells[0] - 1 - (double)i), fmin((double)k, cells[1] - 1 - (double)k));
+            size_t n = (size_t)fmax(1, round(pool->height(x, z) / spacing));
+            size_t outside = to_wall < TOP_LAYERS || n < TOP_LAYERS ? n : TOP_LAYERS;
             if (sink->counting) {
                 sample_count(sink, n - outside, outside);
             } else {
-                put_column(sink, spacing, pool, cells, i, k, n);
+                put_column(sink, spacing, pool, cells, i, k, n, outside);
             }
         }
     }
@@ -182,7 +186,7 @@ static void place_waves(struct sample_sink *sink, double spacing)
 }
 
 const struct sample_shape sample_shapes[] = {
-    {"crown", "a crown splash in a pool: bowl, wall, jets, droplets, ripples", 1.9, sample_place_crown},
+    {"crown", "a crown splash in a pool: bowl, wall, jets, droplets, ripples", 1.7, sample_place_crown},
     {"drop", "a drop before a wall of water", 1.2, place_drop},
     {"waves", "a wavy pool", 3.2, place_waves},
     {"block", "a block of water, 1 m on each side, at rest", 1, place_block},

@@ -16,14 +16,21 @@ static mns_result check_png(const char *what, const struct mns_image *image, str
     return MNS_OK;
 }
 
+/* What libspng writes to. Its own error after a failed write may be another one than SPNG_IO_ERROR. */
+struct stream {
+    struct image_sink *sink;
+    bool failed;
+};
+
 static int put(spng_ctx *png, void *user, void *data, size_t size)
 {
-    struct image_sink *sink = user;
+    struct stream *stream = user;
     (void)png;
-    return sink->put(sink->user, data, size) ? 0 : SPNG_IO_ERROR;
+    stream->failed = stream->failed || !stream->sink->put(stream->sink->user, data, size);
+    return stream->failed ? SPNG_IO_ERROR : 0;
 }
 
-static int set_up(spng_ctx *png, const struct mns_image *image, struct image_sink *sink)
+static int set_up(spng_ctx *png, const struct mns_image *image, struct stream *stream)
 {
     static const uint8_t color_types[] = {SPNG_COLOR_TYPE_GRAYSCALE, SPNG_COLOR_TYPE_GRAYSCALE_ALPHA, SPNG_COLOR_TYPE_TRUECOLOR,
                                           SPNG_COLOR_TYPE_TRUECOLOR_ALPHA};
@@ -31,7 +38,7 @@ static int set_up(spng_ctx *png, const struct mns_image *image, struct image_sin
                                .height = (uint32_t)image->height,
                                .bit_depth = image->pixel == MNS_PIXEL_U16 ? 16 : 8,
                                .color_type = color_types[image->channels - 1]};
-    int error = spng_set_png_stream(png, put, sink);
+    int error = spng_set_png_stream(png, put, stream);
     error = error ? error : spng_set_option(png, SPNG_IMG_COMPRESSION_LEVEL, LEVEL);
     error = error ? error : spng_set_option(png, SPNG_FILTER_CHOICE, SPNG_FILTER_CHOICE_SUB);
     error = error ? error : spng_set_ihdr(png, &header);
@@ -58,10 +65,11 @@ static mns_result write_png(const char *what, const struct mns_image *image, siz
     if (!png) {
         return mns_fail(message, MNS_ERR_OUT_OF_MEMORY, "%s: out of memory", what);
     }
-    int error = set_up(png, image, sink);
+    struct stream stream = {.sink = sink};
+    int error = set_up(png, image, &stream);
     error = error ? error : encode(png, image, stride);
     spng_ctx_free(png);
-    if (error == SPNG_IO_ERROR) {
+    if (stream.failed) {
         return MNS_ERR_IO;
     }
     if (error == SPNG_EMEM) {
