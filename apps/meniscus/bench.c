@@ -115,10 +115,10 @@ static void tell(const struct bench *bench, cJSON *list)
         stages[stage] = median(bench->stage_ms + (size_t)stage * repeat, repeat);
     }
     if (!list) {
-        printf("%s\n  %zu particles, %dx%d, %s %s, %d threads, %s, %zu frames\n", bench->path, stats->measure.count, options->width, options->height,
-               stats->backend, stats->isa, stats->threads, filter, repeat);
-        printf("  prepare %8.2f ms per new particle set\n  frame   %8.2f ms per new view (median; best %.2f, worst %.2f)\n", bench->prepare_ms, middle,
-               bench->frame_ms[0], bench->frame_ms[repeat - 1]);
+        printf("%s\n  %zu particles, %dx%d, %s %s, %d threads, %s, %zu frames\n", bench->path, stats->measure.count, options->width,
+               options->height, stats->backend, stats->isa, stats->threads, filter, repeat);
+        printf("  prepare %8.2f ms per new particle set\n  frame   %8.2f ms per new view (median; best %.2f, worst %.2f)\n",
+               bench->prepare_ms, middle, bench->frame_ms[0], bench->frame_ms[repeat - 1]);
         for (int stage = 0; stage < stats->stage_count; stage++) {
             printf("    %-10s %8.2f ms\n", stats->stage_name[stage], stages[stage]);
         }

@@ -26,7 +26,8 @@ static bool take(const char *path, const cJSON *object, const char *name, int co
 static bool take_camera(struct camera_options *camera, const char *path, const cJSON *object)
 {
     bool has_orthographic = camera->orthographic > 0, has_near = false, has_far = false;
-    bool good = take(path, object, "eye", 3, camera->eye, &camera->has_eye) && take(path, object, "target", 3, camera->target, &camera->has_target) &&
+    bool good = take(path, object, "eye", 3, camera->eye, &camera->has_eye) &&
+                take(path, object, "target", 3, camera->target, &camera->has_target) &&
                 take(path, object, "up", 3, camera->up, &camera->has_up) && take(path, object, "fov", 1, &camera->fov, &camera->has_fov) &&
                 take(path, object, "vfov_deg", 1, &camera->fov, &camera->has_fov) &&
                 take(path, object, "orthographic", 1, &camera->orthographic, &has_orthographic) &&
@@ -68,7 +69,8 @@ static bool take_viewport(struct options *options, const char *path, const cJSON
 static bool take_view(struct options *options, const char *path, const cJSON *json)
 {
     const cJSON *camera = cJSON_GetObjectItemCaseSensitive(json, "camera"), *viewport = cJSON_GetObjectItemCaseSensitive(json, "viewport");
-    return take_camera(&options->camera, path, cJSON_IsObject(camera) ? camera : json) && (!viewport || take_viewport(options, path, viewport));
+    return take_camera(&options->camera, path, cJSON_IsObject(camera) ? camera : json) &&
+           (!viewport || take_viewport(options, path, viewport));
 }
 
 int view_read_camera(struct options *options, const char *path)
@@ -110,7 +112,8 @@ int view_read_case(struct options *options, const char *path, char **particles)
     *particles = NULL;
     cJSON *json = json_read(path);
     double spacing = 0;
-    bool has_spacing = false, good = json && take_view(options, path, json) && json_numbers(path, json, "spacing", 1, &spacing, &has_spacing);
+    bool has_spacing = false,
+         good = json && take_view(options, path, json) && json_numbers(path, json, "spacing", 1, &spacing, &has_spacing);
     if (good && has_spacing && !(spacing > 0 && spacing < 1e12)) {
         program_fail("%s: \"spacing\" is %g; it must be above 0", path, spacing);
         good = false;

@@ -19,11 +19,13 @@ static const char *usage_of(enum command command)
 
 static const char *text_of(enum command command)
 {
-    return command == COMMAND_RENDER ? "Draws pictures from particle files. INPUT: files, a directory, a pattern (frame_%04d.vtk), a .pvd, a case file (.json), "
-                                       "or - for standard input."
+    return command == COMMAND_RENDER
+               ? "Draws pictures from particle files. INPUT: files, a directory, a pattern (frame_%04d.vtk), a .pvd, a case file (.json), "
+                 "or - for standard input."
            : command == COMMAND_INFO ? "Tells what files hold: count, attributes, bounds, radius, format."
            : command == COMMAND_BENCH
-               ? "Measures the time per stage, without file access: the median over new views of a prepared particle set. A case file (.json) brings its view."
+               ? "Measures the time per stage, without file access: the median over new views of a prepared particle set. A case file "
+                 "(.json) brings its view."
                : "Makes particles with position, velocity, density and id: exactly N of them, and the same ones every time.";
 }
 
@@ -59,7 +61,8 @@ static void values_of(const struct mns_param *row, char *out, size_t size)
             }
         }
     } else {
-        snprintf(out, size, "%s%g to %g%s%s%s", row->components == 3 ? "R,G,B: " : "", row->minimum, row->maximum, space, row->unit, automatic);
+        snprintf(out, size, "%s%g to %g%s%s%s", row->components == 3 ? "R,G,B: " : "", row->minimum, row->maximum, space, row->unit,
+                 automatic);
     }
 }
 
@@ -111,7 +114,8 @@ static void print_cell(FILE *out, const char *text)
 
 static void markdown_options(FILE *out, enum command command)
 {
-    fprintf(out, "\n## %s\n\n    %s\n\n%s\n\n| option | meaning |\n|---|---|\n", option_command_name(command), usage_of(command), text_of(command));
+    fprintf(out, "\n## %s\n\n    %s\n\n%s\n\n| option | meaning |\n|---|---|\n", option_command_name(command), usage_of(command),
+            text_of(command));
     for (const struct option_row *row = option_table; row->name; row++) {
         char words[64];
         option_words(row, words, sizeof(words));
@@ -128,8 +132,10 @@ static void markdown_options(FILE *out, enum command command)
 static void markdown_parameters(FILE *out)
 {
     const char *group = "";
-    fprintf(out, "\n## Parameters\n\nFor `--set NAME=VALUE`, look files and `mns_params_set`. Lengths in r are multiples of the splat radius R = radius * "
-                 "radius_scale,\nlengths in L of the fluid's own size, the cube root of its rest volume. Colours are linear R,G,B, or RRGGBB in sRGB.\n");
+    fprintf(out, "\n## Parameters\n\nFor `--set NAME=VALUE`, look files and `mns_params_set`. Lengths in r are multiples of the splat "
+                 "radius R = radius * "
+                 "radius_scale,\nlengths in L of the fluid's own size, the cube root of its rest volume. Colours are linear R,G,B, or "
+                 "RRGGBB in sRGB.\n");
     for (size_t i = 0; i < mns_param_count(); i++) {
         const struct mns_param *row = mns_param_info(i);
         char value[96], values[128];
@@ -145,7 +151,8 @@ static void markdown_parameters(FILE *out)
 
 void options_markdown(FILE *out)
 {
-    fprintf(out, "# Options and parameters\n\nWritten by `meniscus --help-options` from the program's own tables; a test keeps this page up to date.\n");
+    fprintf(out, "# Options and parameters\n\nWritten by `meniscus --help-options` from the program's own tables; a test keeps this page "
+                 "up to date.\n");
     for (int i = 0; i < COMMANDS; i++) {
         markdown_options(out, commands[i]);
     }

@@ -44,7 +44,9 @@ static void print_text(const struct facts *facts)
     }
     printf("\n  bounds      %.6g %.6g %.6g to %.6g %.6g %.6g\n", low[0], low[1], low[2], high[0], high[1], high[2]);
     printf("  radius      %.6g (%s)\n", measure->radius,
-           mns_particle_set_particles(facts->set)->radius.data ? "median of the file's" : measure->radius > 0 ? "estimated" : "unknown");
+           mns_particle_set_particles(facts->set)->radius.data ? "median of the file's"
+           : measure->radius > 0                               ? "estimated"
+                                                               : "unknown");
     for (size_t i = 0; i < mns_particle_set_attribute_count(facts->set); i++) {
         const struct mns_attribute *attribute = mns_particle_set_attribute(facts->set, i);
         char type[48], role[64] = "";

@@ -11,12 +11,10 @@
 #include <sys/stat.h>
 
 /* What a directory is searched for. A .pvd names files that are there anyway. */
-static const char *const extensions[] = {".bgeo", ".bgeo.gz", ".vtk", ".vtu", ".vtp", ".pvtu", ".pvtp", ".ply", ".npy", ".npz", ".csv", ".xyz"};
+static const char *const extensions[] = {".bgeo", ".bgeo.gz", ".vtk", ".vtu", ".vtp", ".pvtu",
+                                         ".pvtp", ".ply",     ".npy", ".npz", ".csv", ".xyz"};
 
-static int out_of_memory(const char *name)
-{
-    return program_fail("%s: out of memory", name);
-}
+static int out_of_memory(const char *name) { return program_fail("%s: out of memory", name); }
 
 /* Takes path over. */
 static int add_path(struct inputs *inputs, char *path, const char *name)
@@ -158,7 +156,8 @@ static void sort(struct inputs *inputs, size_t first)
 }
 
 /* Adds the files of a folder that the test picks. */
-static int add_folder(struct inputs *inputs, const char *folder, const char *name, bool (*picks)(const char *entry, const void *user), const void *user)
+static int add_folder(struct inputs *inputs, const char *folder, const char *name, bool (*picks)(const char *entry, const void *user),
+                      const void *user)
 {
     DIR *directory = opendir(*folder ? folder : ".");
     if (!directory) {

@@ -17,10 +17,7 @@ static void tell(void *user, enum mns_log_level level, const char *text)
     } /* errors come back as messages */
 }
 
-struct mns_log program_log(const struct options *options)
-{
-    return (struct mns_log){.message = tell, .user = (void *)options};
-}
+struct mns_log program_log(const struct options *options) { return (struct mns_log){.message = tell, .user = (void *)options}; }
 
 /* All of standard input; NULL: message says why. */
 static void *read_standard_input(size_t *size, struct mns_message *message)

@@ -319,7 +319,8 @@ static bool set_keep_going(struct options *options, const char *value, struct mn
 static bool set_backend(struct options *options, const char *value, struct mns_message *message)
 {
     options->backend = !strcmp(value, "cpu") ? MNS_BACKEND_CPU : MNS_BACKEND_AUTO;
-    return options->backend == MNS_BACKEND_CPU || !strcmp(value, "auto") || refuse(message, "'%s' is none of this build's backends: auto, cpu", value);
+    return options->backend == MNS_BACKEND_CPU || !strcmp(value, "auto") ||
+           refuse(message, "'%s' is none of this build's backends: auto, cpu", value);
 }
 
 static bool set_threads(struct options *options, const char *value, struct mns_message *message)
@@ -448,7 +449,8 @@ const struct option_row option_table[] = {
     {"--isa", 0, "NAME", DRAWS, NULL, set_isa, "scalar, sse2, avx2, avx512 or neon (the best there is)"},
     {"--repeat", 0, "N", COMMAND_BENCH, NULL, set_repeat, "frames to measure (20)"},
     {"--warmup", 0, "N", COMMAND_BENCH, NULL, set_warmup, "frames before that (3)"},
-    {"--stats", 0, "FILE.json", COMMAND_RENDER, NULL, set_stats, "per frame and stage: milliseconds, particles, pixels, bytes; peak memory"},
+    {"--stats", 0, "FILE.json", COMMAND_RENDER, NULL, set_stats,
+     "per frame and stage: milliseconds, particles, pixels, bytes; peak memory"},
     {"--json", 0, NULL, COMMAND_INFO | COMMAND_BENCH, NULL, set_json, "for programs"},
     {"--quiet", 'q', NULL, ALL, NULL, set_quiet, "no warnings, no progress"},
     {"--verbose", 'v', NULL, COMMAND_RENDER | COMMAND_BENCH, NULL, set_verbose, "tell what is done"},

@@ -5,11 +5,11 @@
 #include "options.h"
 
 struct option_row {
-    const char *name;     /* "--size" */
-    char letter;          /* 'o' for -o; 0: none */
-    const char *argument; /* "WxH"; NULL: takes none */
-    unsigned commands;    /* enum command, or-ed */
-    const char *param;    /* the parameter it sets; NULL: apply does it */
+    const char *name;                                                                       /* "--size" */
+    char letter;                                                                            /* 'o' for -o; 0: none */
+    const char *argument;                                                                   /* "WxH"; NULL: takes none */
+    unsigned commands;                                                                      /* enum command, or-ed */
+    const char *param;                                                                      /* the parameter it sets; NULL: apply does it */
     bool (*apply)(struct options *options, const char *value, struct mns_message *message); /* false: message says what would be right */
     const char *help;
 };

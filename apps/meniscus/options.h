@@ -37,8 +37,8 @@ struct options {
 
     const char **inputs; /* [input_count] as given */
     size_t input_count;
-    const char *format;  /* of the inputs; NULL: told from content */
-    const char **roles;  /* [role_count] "ROLE=NAME" */
+    const char *format; /* of the inputs; NULL: told from content */
+    const char **roles; /* [role_count] "ROLE=NAME" */
     size_t role_count;
     const char *where;
 

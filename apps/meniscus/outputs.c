@@ -43,8 +43,8 @@ static int check_overwrite(const char *pattern, const struct inputs *inputs)
     for (size_t i = 0; i < inputs->count; i++) {
         struct stat in, out;
         char *name = pattern_name(pattern, inputs->list[i].number);
-        bool same = name && stat(name, &out) == 0 && stat(inputs->list[i].path, &in) == 0 && S_ISREG(in.st_mode) && in.st_dev == out.st_dev &&
-                    in.st_ino == out.st_ino;
+        bool same = name && stat(name, &out) == 0 && stat(inputs->list[i].path, &in) == 0 && S_ISREG(in.st_mode) &&
+                    in.st_dev == out.st_dev && in.st_ino == out.st_ino;
         free(name);
         if (same) {
             return program_usage("%s: is an input; choose another name for the output", inputs->list[i].path);
@@ -79,8 +79,8 @@ static int plan_stream(struct outputs *outputs, const struct options *options)
     return add(outputs, options, MNS_LAYER_BEAUTY, !strcmp(format, "rgba") ? OUTPUT_STREAM_RGBA : OUTPUT_STREAM_PNG, "-");
 }
 
-static int plan_file(struct outputs *outputs, const struct options *options, const struct inputs *inputs, size_t frames, enum mns_layer layer,
-                     const char *pattern)
+static int plan_file(struct outputs *outputs, const struct options *options, const struct inputs *inputs, size_t frames,
+                     enum mns_layer layer, const char *pattern)
 {
     int status = check_extension(pattern);
     status = status == STATUS_DONE ? check_name(pattern, frames) : status;

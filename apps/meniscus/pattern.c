@@ -56,10 +56,7 @@ char *pattern_name(const char *pattern, long long number)
     return name;
 }
 
-static bool is_digit(char c)
-{
-    return c >= '0' && c <= '9';
-}
+static bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
 int natural_compare(const char *a, const char *b)
 {

@@ -58,10 +58,7 @@ void program_say(const char *format, ...)
 
 static volatile sig_atomic_t caught; /* a signal handler can reach nothing else */
 
-static void note(int number)
-{
-    caught = number;
-}
+static void note(int number) { caught = number; }
 
 static void catch_unless_ignored(int number, const struct sigaction *action)
 {
@@ -86,20 +83,11 @@ void program_catch_signals(void)
     sigaction(SIGXFSZ, &action, NULL);
 }
 
-int program_signal(void)
-{
-    return (int)caught;
-}
+int program_signal(void) { return (int)caught; }
 
-bool program_error_is_terminal(void)
-{
-    return isatty(STDERR_FILENO);
-}
+bool program_error_is_terminal(void) { return isatty(STDERR_FILENO); }
 
-bool program_output_is_terminal(void)
-{
-    return isatty(STDOUT_FILENO);
-}
+bool program_output_is_terminal(void) { return isatty(STDOUT_FILENO); }
 
 double program_peak_memory(void)
 {
@@ -150,10 +138,7 @@ static int fill(FILE *file, const char *text)
     return error;
 }
 
-static int fail_file(const char *path, int error)
-{
-    return program_fail("%s: cannot be written: %s", path, strerror(error));
-}
+static int fail_file(const char *path, int error) { return program_fail("%s: cannot be written: %s", path, strerror(error)); }
 
 int program_write_file(const char *path, const char *text)
 {

@@ -67,8 +67,9 @@ static int choose_frames(struct render *render)
         render->chosen[i] = number >= first && number <= last && (number - first) % options->step == 0;
         render->chosen_count += render->chosen[i];
     }
-    return render->chosen_count ? STATUS_DONE
-                                : program_usage("--frames chooses none of the %zu frames, whose numbers are %lld to %lld", inputs->count, lowest, highest);
+    return render->chosen_count
+               ? STATUS_DONE
+               : program_usage("--frames chooses none of the %zu frames, whose numbers are %lld to %lld", inputs->count, lowest, highest);
 }
 
 static int create_renderer(struct render *render)
@@ -108,7 +109,8 @@ static void warn_if_empty(const struct render *render, const char *path, const s
     if (stats->pixels_covered > 0 || render->options->quiet) {
         return;
     }
-    program_warn("%s: %s; the picture is the background", path, stats->measure.count > 0 ? "none of the particles is in view" : "holds no particles");
+    program_warn("%s: %s; the picture is the background", path,
+                 stats->measure.count > 0 ? "none of the particles is in view" : "holds no particles");
 }
 
 /* Draws the prepared particles of input i. */
@@ -153,8 +155,9 @@ static void note(struct render *render, const struct input *input, struct frame_
         stats_add_frame(render->stats, input->number, input->path, &stats, times);
     }
     if (render->options->verbose) {
-        program_say("%s: %zu particles, radius %g, read %.1f ms, prepare %.1f ms, draw %.1f ms, write %.1f ms", input->path, stats.measure.count,
-                    stats.splat_radius / (double)render->options->params.radius_scale, times.read_ms, stats.prepare_ms, stats.draw_ms, times.write_ms);
+        program_say("%s: %zu particles, radius %g, read %.1f ms, prepare %.1f ms, draw %.1f ms, write %.1f ms", input->path,
+                    stats.measure.count, stats.splat_radius / (double)render->options->params.radius_scale, times.read_ms, stats.prepare_ms,
+                    stats.draw_ms, times.write_ms);
     }
 }
 

@@ -8,8 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Halvings, after which the spacing is as exact as a double; and growths by a quarter to get beyond the spacing sought, which a shape of one
- * particle never does. */
+/* Halvings, after which the spacing is as exact as a double; and growths by a quarter to get beyond the spacing sought, which a shape of
+ * one particle never does. */
 enum { SEARCH_STEPS = 60, GROWTHS = 24 };
 
 double sample_hash(uint64_t a, uint64_t b, uint64_t c)

@@ -14,9 +14,9 @@ struct sample_sink {
     size_t surplus, of;     /* when not counting: how many of the first `of` inside (or of all, if there are too few) are passed over */
     bool thin_all;          /* all are candidates, not only those inside */
     size_t seen, kept;
-    float *position;        /* [kept][3] */
-    float *velocity;        /* [kept][3] */
-    float *density;         /* [kept] */
+    float *position; /* [kept][3] */
+    float *velocity; /* [kept][3] */
+    float *density;  /* [kept] */
 };
 
 /* A particle. depth: metres below the surface, for its density. inside: may be passed over. */

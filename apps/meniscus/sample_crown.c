@@ -1,5 +1,5 @@
-/* sample_crown.c: the crown that a drop throws up when it falls into a pool: a bowl, a wall that leans out, a thick rim that breaks into jets,
- * and droplets from them. Metres; the drop fell on (0, 0) of the x-z plane. */
+/* sample_crown.c: the crown that a drop throws up when it falls into a pool: a bowl, a wall that leans out, a thick rim that breaks into
+ * jets, and droplets from them. Metres; the drop fell on (0, 0) of the x-z plane. */
 #include "sample.h"
 
 #include <math.h>
@@ -7,12 +7,12 @@
 
 static const double PI = 3.14159265358979323846;
 
-static const double DEPTH = 0.34;        /* of the pool at rest */
-static const double BOWL = 0.50;         /* radius of the bowl */
+static const double DEPTH = 0.34; /* of the pool at rest */
+static const double BOWL = 0.50;  /* radius of the bowl */
 static const double BOWL_DEPTH = 0.25;
-static const double WALL = 0.52;         /* radius of the wall's foot */
-static const double WALL_HEIGHT = 0.45;  /* without the scallops */
-static const double LEAN = 0.21;         /* how far the rim stands outside the foot */
+static const double WALL = 0.52;        /* radius of the wall's foot */
+static const double WALL_HEIGHT = 0.45; /* without the scallops */
+static const double LEAN = 0.21;        /* how far the rim stands outside the foot */
 
 enum { JETS = 23, SHED = 3 /* droplets on a jet's line at most */, SPRAY = 520 };
 
@@ -46,9 +46,9 @@ static void pool_velocity(double x, double y, double z, double out[3])
 /* ---- the jets: where they stand on the rim and how large they are ---- */
 
 struct jet {
-    double angle;         /* radians */
-    double length;        /* metres beyond the rim */
-    double radius, bulb;  /* metres, at its foot and of its end */
+    double angle;        /* radians */
+    double length;       /* metres beyond the rim */
+    double radius, bulb; /* metres, at its foot and of its end */
 };
 
 static struct jet jet_at(uint64_t i)
@@ -149,8 +149,10 @@ static void put_slice(struct sample_sink *sink, double spacing, const double cen
         size_t count = (size_t)fmax(k == 0, round(area / (spacing * spacing)));
         double phase = 2 * PI * sample_hash(seed, k, 21);
         for (size_t i = 0; i < count; i++) {
-            double angle = phase + 2 * PI * (double)i / (double)count, c = count > 1 ? ring * cos(angle) : 0, s = count > 1 ? ring * sin(angle) : 0;
-            double position[3] = {center[0] + c * side[0] + s * up[0], center[1] + c * side[1] + s * up[1], center[2] + c * side[2] + s * up[2]};
+            double angle = phase + 2 * PI * (double)i / (double)count, c = count > 1 ? ring * cos(angle) : 0,
+                   s = count > 1 ? ring * sin(angle) : 0;
+            double position[3] = {center[0] + c * side[0] + s * up[0], center[1] + c * side[1] + s * up[1],
+                                  center[2] + c * side[2] + s * up[2]};
             sample_put(sink, position, velocity, count > 1 ? 640 : 420, false);
         }
     }

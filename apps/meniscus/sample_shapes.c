@@ -57,8 +57,8 @@ static double shaken(double low, double cell, double cells, double index, double
 }
 
 /* The column (i, k) of n layers, of which `outside` are near the surface. */
-static void put_column(struct sample_sink *sink, double spacing, const struct sample_pool *pool, const double cells[2], size_t i, size_t k, size_t n,
-                       size_t outside)
+static void put_column(struct sample_sink *sink, double spacing, const struct sample_pool *pool, const double cells[2], size_t i, size_t k,
+                       size_t n, size_t outside)
 {
     double cell[2] = {(pool->high[0] - pool->low[0]) / cells[0], (pool->high[1] - pool->low[1]) / cells[1]};
     size_t top = n < TOP_LAYERS ? n : TOP_LAYERS;

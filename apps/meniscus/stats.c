@@ -7,10 +7,7 @@
 #include <math.h>
 
 /* Milliseconds to the microsecond: the clocks tell no more. */
-static double rounded(double ms)
-{
-    return round(ms * 1000) / 1000;
-}
+static double rounded(double ms) { return round(ms * 1000) / 1000; }
 
 cJSON *stats_create(const struct options *options)
 {

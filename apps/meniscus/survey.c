@@ -51,10 +51,7 @@ static void merge(struct survey *survey, const struct mns_measure measures[FRAME
     survey->spacing = median(spacings, count);
 }
 
-void survey_from_measure(struct survey *survey, const struct mns_measure *measure)
-{
-    merge(survey, measure, 1);
-}
+void survey_from_measure(struct survey *survey, const struct mns_measure *measure) { merge(survey, measure, 1); }
 
 int survey_inputs(struct survey *survey, const struct inputs *inputs, const struct options *options)
 {

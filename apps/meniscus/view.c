@@ -52,8 +52,8 @@ int view_camera(struct mns_camera *camera, const struct options *options, const 
     int up_axis = options->params.up_axis;
     double eye[3], target[3], up[3] = {0}, near_plane, far_plane;
     mns_camera_init(camera, options->width, options->height);
-    if (mns_camera_frame(camera, survey->inner_min, survey->inner_max, survey->radius, up_axis, wanted->orthographic > 0 ? 0 : wanted->fov) !=
-        MNS_OK) {
+    if (mns_camera_frame(camera, survey->inner_min, survey->inner_max, survey->radius, up_axis,
+                         wanted->orthographic > 0 ? 0 : wanted->fov) != MNS_OK) {
         return fail_view();
     }
     eye_of(camera, eye);

@@ -14,7 +14,11 @@ void mns_npy_header(uint8_t out[NPY_HEADER_SIZE], enum mns_type type, int dimens
     char order = mns_type_size(type) == 1 ? '|' : mns_big_endian() ? '>' : '<';
     int length = snprintf(text, sizeof(text), "{'descr': '%c%s', 'fortran_order': False, 'shape': (", order, codes[type]);
     for (int i = 0; i < dimensions; i++) { /* a tuple of one has its comma behind it */
-        length += snprintf(text + length, sizeof(text) - (size_t)length, i + 1 < dimensions ? "%zu, " : dimensions == 1 ? "%zu," : "%zu", shape[i]);
+        length += snprintf(text + length, sizeof(text) - (size_t)length,
+                           i + 1 < dimensions ? "%zu, "
+                           : dimensions == 1  ? "%zu,"
+                                              : "%zu",
+                           shape[i]);
     }
     length += snprintf(text + length, sizeof(text) - (size_t)length, "), }");
     memset(text + length, ' ', sizeof(text) - 1 - (size_t)length);
@@ -33,7 +37,8 @@ static mns_result check_npy(const char *what, const struct mns_image *image, str
     return MNS_OK;
 }
 
-static mns_result write_npy(const char *what, const struct mns_image *image, size_t stride, struct image_sink *sink, struct mns_message *message)
+static mns_result write_npy(const char *what, const struct mns_image *image, size_t stride, struct image_sink *sink,
+                            struct mns_message *message)
 {
     (void)what;
     (void)message;

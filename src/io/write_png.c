@@ -59,7 +59,8 @@ static int encode(spng_ctx *png, const struct mns_image *image, size_t stride)
     return error;
 }
 
-static mns_result write_png(const char *what, const struct mns_image *image, size_t stride, struct image_sink *sink, struct mns_message *message)
+static mns_result write_png(const char *what, const struct mns_image *image, size_t stride, struct image_sink *sink,
+                            struct mns_message *message)
 {
     spng_ctx *png = spng_ctx_new(SPNG_CTX_ENCODER);
     if (!png) {

@@ -75,7 +75,8 @@ static mns_result check(const char *what, const struct mns_writer *writer, const
     }
     size_t row = mns_image_pixel_size(image) * (size_t)image->width;
     if (image->stride != 0 && image->stride < row) {
-        return mns_fail(message, MNS_ERR_INVALID_ARGUMENT, "%s: the image's stride is %zu bytes; a row takes %zu", what, image->stride, row);
+        return mns_fail(message, MNS_ERR_INVALID_ARGUMENT, "%s: the image's stride is %zu bytes; a row takes %zu", what, image->stride,
+                        row);
     }
     return writer->check(what, image, message);
 }

@@ -17,7 +17,8 @@ struct mns_writer {
     /* Whether the format holds such an image, whose size, channels and pixel are known to be valid. what: the file's name, for messages. */
     mns_result (*check)(const char *what, const struct mns_image *image, struct mns_message *message);
     /* Encodes a checked image with this stride. */
-    mns_result (*write)(const char *what, const struct mns_image *image, size_t stride, struct image_sink *sink, struct mns_message *message);
+    mns_result (*write)(const char *what, const struct mns_image *image, size_t stride, struct image_sink *sink,
+                        struct mns_message *message);
 };
 
 extern const struct mns_writer mns_writer_png;

@@ -168,7 +168,8 @@ static void extension_picks_the_format(void **state)
 static void npy_holds_the_pixels(void **state)
 {
     (void)state;
-    static const char *const shapes[] = {"'shape': (7, 13), }", "'shape': (7, 13, 2), }", "'shape': (7, 13, 3), }", "'shape': (7, 13, 4), }"};
+    static const char *const shapes[] = {"'shape': (7, 13), }", "'shape': (7, 13, 2), }", "'shape': (7, 13, 3), }",
+                                         "'shape': (7, 13, 4), }"};
     for (int channels = 1; channels <= 4; channels++) {
         struct mns_image image = noise(channels, MNS_PIXEL_F32);
         size_t size, row = (size_t)channels * WIDTH * 4;
@@ -282,15 +283,10 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
 #ifdef MNS_HAVE_PNG
-        cmocka_unit_test(png_holds_the_pixels),
-        cmocka_unit_test(png_takes_no_floats),
-        cmocka_unit_test(extension_picks_the_format),
+        cmocka_unit_test(png_holds_the_pixels), cmocka_unit_test(png_takes_no_floats),    cmocka_unit_test(extension_picks_the_format),
 #endif
-        cmocka_unit_test(npy_holds_the_pixels),
-        cmocka_unit_test(bad_images_are_refused),
-        cmocka_unit_test(bad_places_are_refused),
-        cmocka_unit_test(full_disk_is_told),
-        cmocka_unit_test(formats_are_listed),
+        cmocka_unit_test(npy_holds_the_pixels), cmocka_unit_test(bad_images_are_refused), cmocka_unit_test(bad_places_are_refused),
+        cmocka_unit_test(full_disk_is_told),    cmocka_unit_test(formats_are_listed),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }
