@@ -110,7 +110,7 @@ static struct depth_range range_of(const float *in, ptrdiff_t stride)
     return range;
 }
 
-/* Runs both on all blocks; returns how many pixels are out of tolerance (smooth.h). */
+/* Runs both on all blocks; returns how many pixels are out of tolerance (cpu/smooth/narrow_range.h). */
 static int compare(struct planes *planes, narrow_range_function *expected, narrow_range_function *got, const struct narrow_range *filter,
                    int axis)
 {
@@ -142,7 +142,7 @@ static int compare(struct planes *planes, narrow_range_function *expected, narro
     return apart;
 }
 
-static void compare_all(struct planes *planes, const struct smooth_kernels *a, const struct smooth_kernels *b,
+static void compare_all(struct planes *planes, const struct narrow_range_kernels *a, const struct narrow_range_kernels *b,
                         const struct narrow_range *filter, bool plain)
 {
     /* samples within rounding of a bound: less than one in 10000 pixels */
@@ -161,7 +161,7 @@ static void compare_all(struct planes *planes, const struct smooth_kernels *a, c
 
 static void test_every_instruction_set_is_plain_c(void **state)
 {
-    const struct smooth_kernels *scalar = mns_kernels_get(MNS_ISA_SCALAR)->smooth;
+    const struct narrow_range_kernels *scalar = mns_kernels_get(MNS_ISA_SCALAR)->smooth->narrow_range;
     static const float sigmas[] = {0.2f, 0.9f, 3.7f, 12.0f, 500.0f};
     for (int isa = MNS_ISA_SSE2; isa <= MNS_ISA_NEON; isa++) {
         const struct kernels *kernels = mns_kernels_get((enum mns_isa)isa);
@@ -170,7 +170,7 @@ static void test_every_instruction_set_is_plain_c(void **state)
             int kind = i % 7; /* with another sigma and mode each time */
             fill(*state, kind, delta, kind == 6 || i >= 28);
             struct narrow_range filter = filter_of(delta, sigmas[i % 5], i & 16, kind == 2 || kind == 5, i % 16);
-            compare_all(*state, scalar, kernels->smooth, &filter, false);
+            compare_all(*state, scalar, kernels->smooth->narrow_range, &filter, false);
         }
     }
 }
@@ -184,12 +184,12 @@ static void test_plain_kernels_are_the_others_where_they_apply(void **state)
         const struct kernels *kernels = mns_kernels_get((enum mns_isa)isa);
         for (int i = 0; kernels && i < 8; i++) {
             struct narrow_range filter = filter_of(0.1f, i & 4 ? 25.0f : 4.3f, i & 2, false, 1 | (i & 1) << 1 | (i & 4));
-            const struct smooth_kernels *smooth = kernels->smooth;
-            assert_int_equal(compare(planes, smooth->line, smooth->line_plain, &filter, AXIS_X), 0);
-            assert_int_equal(compare(planes, smooth->line, smooth->line_plain, &filter, AXIS_Y), 0);
-            assert_int_equal(compare(planes, smooth->disc, smooth->disc_plain, &filter, AXIS_X), 0);
-            assert_int_equal(compare(planes, smooth->square, smooth->square_plain, &filter, AXIS_X), 0);
-            compare_all(planes, mns_kernels_get(MNS_ISA_SCALAR)->smooth, smooth, &filter, true);
+            const struct narrow_range_kernels *vector = kernels->smooth->narrow_range;
+            assert_int_equal(compare(planes, vector->line, vector->line_plain, &filter, AXIS_X), 0);
+            assert_int_equal(compare(planes, vector->line, vector->line_plain, &filter, AXIS_Y), 0);
+            assert_int_equal(compare(planes, vector->disc, vector->disc_plain, &filter, AXIS_X), 0);
+            assert_int_equal(compare(planes, vector->square, vector->square_plain, &filter, AXIS_X), 0);
+            compare_all(planes, mns_kernels_get(MNS_ISA_SCALAR)->smooth->narrow_range, vector, &filter, true);
         }
     }
 }

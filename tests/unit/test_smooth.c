@@ -34,6 +34,7 @@ struct fixture {
     struct frame frame;
     struct kernels kernels;
     struct smooth_kernels smooth;
+    struct narrow_range_kernels narrow_range;
 };
 
 static void run_jobs(void *user, void (*job)(void *context, int index), void *context, int count)
@@ -49,7 +50,8 @@ static struct fixture *fixture_create(int width, int height, enum mns_isa isa, i
     fixture->pool = mns_pool_create(threads, NULL);
     assert_non_null(fixture->pool);
     assert_non_null(mns_kernels_get(isa));
-    fixture->smooth = *mns_kernels_get(isa)->smooth;
+    fixture->narrow_range = *mns_kernels_get(isa)->smooth->narrow_range;
+    fixture->smooth.narrow_range = &fixture->narrow_range;
     fixture->kernels.smooth = &fixture->smooth;
     fixture->cpu.kernels = &fixture->kernels;
     fixture->cpu.host = (struct backend_host){
@@ -506,9 +508,9 @@ static void test_plain_blocks_are_what_the_others_would_be(void **state)
     for (int filter = MNS_FILTER_NARROW_RANGE; filter <= MNS_FILTER_NARROW_RANGE_1D_CLEANUP; filter++) {
         struct fixture *a = fixture_create(240, 120, mns_isa_best(), 1), *b = fixture_create(240, 120, mns_isa_best(), 1);
         a->frame.params.filter = b->frame.params.filter = filter;
-        b->smooth.line_plain = b->smooth.line;
-        b->smooth.disc_plain = b->smooth.disc;
-        b->smooth.square_plain = b->smooth.square;
+        b->narrow_range.line_plain = b->narrow_range.line;
+        b->narrow_range.disc_plain = b->narrow_range.disc;
+        b->narrow_range.square_plain = b->narrow_range.square;
         fill(a, calm_and_splashes);
         fill(b, calm_and_splashes);
         const struct depth_plane *plain = run(a), *whole = run(b);

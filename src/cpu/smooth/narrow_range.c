@@ -1,8 +1,9 @@
 /* narrow_range.c: the narrow-range filter: whole (2-D), or along rows and columns in turn, with or without a last 5x5 pass.
  *
  * Based on: [TY18] Truong, Yuksel, "A Narrow-Range Filter for Screen-Space Fluid Rendering", 2018. The kernels do the arithmetic
- * (cpu/smooth.h); here lengths become pixels and blocks find their kernel. */
+ * (narrow_range.h); here lengths become pixels and blocks find their kernel. */
 #include "cpu/smooth/filter.h"
+#include "cpu/smooth/narrow_range.h"
 
 #include <math.h>
 #include <string.h>
@@ -87,7 +88,7 @@ static struct depth_range depths_around(const struct pass *pass, int bx, int by,
     return around;
 }
 
-/* Whether the plain kernel does: smooth.h. */
+/* Whether the plain kernel does: narrow_range.h. */
 static bool is_plain(const struct narrow_range *filter, const struct depth_block *block)
 {
     return block->around.max - block->around.min <= filter->delta && block->range.max - block->range.min <= PLAIN_SPREAD * block->range.min;
@@ -143,7 +144,7 @@ static bool any_at_lens(const struct depth_plane *plane, float delta)
 /* From cpu->smoothed to the other plane, which then is cpu->smoothed. */
 static void run_pass(struct backend *cpu, struct pass *pass, enum shape shape)
 {
-    const struct smooth_kernels *kernels = cpu->kernels->smooth;
+    const struct narrow_range_kernels *kernels = cpu->kernels->smooth->narrow_range;
     pass->shape = shape;
     pass->kernel = shape == SHAPE_DISC ? kernels->disc : shape == SHAPE_SQUARE ? kernels->square : kernels->line;
     pass->plain = shape == SHAPE_DISC ? kernels->disc_plain : shape == SHAPE_SQUARE ? kernels->square_plain : kernels->line_plain;
