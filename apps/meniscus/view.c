@@ -8,21 +8,27 @@
 
 static const double DEGREE = 3.14159265358979323846 / 180;
 
-static void eye_of(const struct mns_camera *camera, double out[3])
+/* Where a framed camera stands, and the point of its line of sight that is nearest to the box's centre. */
+static void line_of_sight(const struct mns_camera *camera, const double center[3], double eye[3], double target[3])
 {
     const double *v = camera->view;
-    for (int i = 0; i < 3; i++) { /* view = [R t], eye = -R^T t */
-        out[i] = -(v[4 * i] * v[12] + v[4 * i + 1] * v[13] + v[4 * i + 2] * v[14]);
+    double distance = 0;
+    for (int i = 0; i < 3; i++) { /* view = [R t], eye = -R^T t; the third row of R points backwards */
+        eye[i] = -(v[4 * i] * v[12] + v[4 * i + 1] * v[13] + v[4 * i + 2] * v[14]);
+        distance += (eye[i] - center[i]) * v[4 * i + 2];
+    }
+    for (int i = 0; i < 3; i++) {
+        target[i] = eye[i] - distance * v[4 * i + 2];
     }
 }
 
-/* Turns v about a unit axis of the world. */
-static void turn(double v[3], int axis, double angle)
+/* Turns a point about the line through pivot along an axis of the world. */
+static void turn(double point[3], const double pivot[3], int axis, double angle)
 {
     int a = (axis + 1) % 3, b = (axis + 2) % 3;
-    double c = cos(angle), s = sin(angle), x = v[a], y = v[b];
-    v[a] = c * x - s * y;
-    v[b] = s * x + c * y;
+    double c = cos(angle), s = sin(angle), x = point[a] - pivot[a], y = point[b] - pivot[b];
+    point[a] = pivot[a] + c * x - s * y;
+    point[b] = pivot[b] + s * x + c * y;
 }
 
 /* Near and far around all particles: no nearer than a thousandth of the distance, since depth is float32. */
@@ -50,25 +56,27 @@ int view_camera(struct mns_camera *camera, const struct options *options, const 
 {
     const struct camera_options *wanted = &options->camera;
     int up_axis = options->params.up_axis;
-    double eye[3], target[3], up[3] = {0}, near_plane, far_plane;
+    double eye[3], target[3], center[3], up[3] = {0}, near_plane, far_plane;
     mns_camera_init(camera, options->width, options->height);
     if (mns_camera_frame(camera, survey->inner_min, survey->inner_max, survey->radius, up_axis,
                          wanted->orthographic > 0 ? 0 : wanted->fov) != MNS_OK) {
         return fail_view();
     }
-    eye_of(camera, eye);
+    for (int i = 0; i < 3; i++) {
+        center[i] = 0.5 * (survey->inner_min[i] + survey->inner_max[i]);
+    }
+    line_of_sight(camera, center, eye, target);
     up[up_axis] = 1;
     for (int i = 0; i < 3; i++) {
-        double center = 0.5 * (survey->inner_min[i] + survey->inner_max[i]);
-        target[i] = wanted->has_target ? wanted->target[i] : center;
-        eye[i] = wanted->has_eye ? wanted->eye[i] : eye[i] - center + target[i];
+        double away = eye[i] - target[i];
+        target[i] = wanted->has_target ? wanted->target[i] : wanted->has_eye ? center[i] : target[i];
+        eye[i] = wanted->has_eye ? wanted->eye[i] : target[i] + away;
         up[i] = wanted->has_up ? wanted->up[i] : up[i];
     }
-    double away[3] = {eye[0] - target[0], eye[1] - target[1], eye[2] - target[2]};
-    turn(away, up_axis, fmod(wanted->orbit * index, 360) * DEGREE);
-    for (int i = 0; i < 3; i++) {
-        eye[i] = target[i] + away[i];
-    }
+    const double *pivot = wanted->has_target ? wanted->target : center;
+    double angle = fmod(wanted->orbit * index, 360) * DEGREE;
+    turn(eye, pivot, up_axis, angle);
+    turn(target, pivot, up_axis, angle);
     depth_range(survey, eye, &near_plane, &far_plane);
     near_plane = wanted->near_plane > 0 ? wanted->near_plane : near_plane;
     far_plane = wanted->far_plane > 0 ? wanted->far_plane : fmax(far_plane, 10 * near_plane);

@@ -23,6 +23,13 @@ ok render in.npz --layer depth=d.npy --layer normal=n.npy $small
 cmp -s a.png piped.png || complain "standard input or output differs from files"
 refuses 2 'for standard output' render in.npz -o a.png --output-format png
 
+# The camera that is chosen shows everything: the border of the picture is empty, the middle is not.
+"$program" sample block --particles 4000 -o block.npz
+"$program" render block.npz -o - --output-format rgba --background transparent $small >border.raw 2>.err || complain "-o -: $(cat .err)"
+od -An -v -tu1 -w256 border.raw >border.txt
+awk '(NR == 1 || NR == 48) { for (i = 4; i <= NF; i += 4) bad += $i > 0 } { bad += $4 > 0 || $256 > 0; seen += $128 > 0 } END { exit bad || seen < 24 }' \
+    border.txt || complain "the block is cut or small in the picture"
+
 # Outputs that cannot be.
 refuses 2 'this build writes' render in.npz -o a.mp4
 refuses 2 'this build writes' render in.npz -o a.exr
