@@ -1,51 +1,78 @@
-# What is installed: headers, libraries, the CMake package, pkg-config files. (The program installs itself.)
+# What is installed: libraries, headers, the CMake package and the pkg-config modules. The program installs itself.
+
 include(CMakePackageConfigHelpers)
 
-set(MNS_INSTALLED meniscus)
-set(MNS_IO_DEPENDENCIES "")
-set(MNS_IO_REQUIRES "")
-if(MNS_BUILD_IO)
-  list(APPEND MNS_INSTALLED meniscus_io)
-  get_property(MNS_IO_DEPENDENCIES GLOBAL PROPERTY MNS_IO_DEPENDENCIES)
-  string(REPLACE ";" "\n  " MNS_IO_DEPENDENCIES "${MNS_IO_DEPENDENCIES}")
-  get_property(MNS_IO_REQUIRES GLOBAL PROPERTY MNS_IO_REQUIRES)
-  string(REPLACE ";" " " MNS_IO_REQUIRES "${MNS_IO_REQUIRES}")
-endif()
+set(package_dir "${CMAKE_INSTALL_LIBDIR}/cmake/meniscus")
+set(package_build_dir "${PROJECT_BINARY_DIR}/package")
 
-set_target_properties(meniscus PROPERTIES EXPORT_NAME meniscus)
-if(TARGET meniscus_io)
-  set_target_properties(meniscus_io PROPERTIES EXPORT_NAME io)
-endif()
-install(TARGETS ${MNS_INSTALLED} EXPORT meniscus-targets
-  ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}" LIBRARY DESTINATION "${CMAKE_INSTALL_LIBDIR}" RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}")
-install(DIRECTORY "${PROJECT_SOURCE_DIR}/include/meniscus" "${PROJECT_BINARY_DIR}/include/meniscus"
-  DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}" FILES_MATCHING PATTERN "*.h")
-install(FILES "${PROJECT_SOURCE_DIR}/LICENSE" DESTINATION "${CMAKE_INSTALL_DOCDIR}")
+# mns_install_library(TARGET NAME EXPORT): the library as meniscus::NAME, for find_package.
+function(mns_install_library target name export)
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name})
+  install(TARGETS ${target} EXPORT ${export}
+    LIBRARY DESTINATION "${CMAKE_INSTALL_LIBDIR}" ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}" RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}")
+  install(EXPORT ${export} NAMESPACE meniscus:: DESTINATION "${package_dir}")
+endfunction()
 
-set(MNS_PACKAGE_DIR "${CMAKE_INSTALL_LIBDIR}/cmake/meniscus")
-install(EXPORT meniscus-targets NAMESPACE meniscus:: DESTINATION "${MNS_PACKAGE_DIR}")
-configure_package_config_file("${PROJECT_SOURCE_DIR}/cmake/meniscus-config.cmake.in" "${PROJECT_BINARY_DIR}/meniscus-config.cmake"
-  INSTALL_DESTINATION "${MNS_PACKAGE_DIR}")
-write_basic_package_version_file("${PROJECT_BINARY_DIR}/meniscus-config-version.cmake" COMPATIBILITY SameMajorVersion)
-install(FILES "${PROJECT_BINARY_DIR}/meniscus-config.cmake" "${PROJECT_BINARY_DIR}/meniscus-config-version.cmake"
-  DESTINATION "${MNS_PACKAGE_DIR}")
-
-# Told from where the .pc file lies, so that an installed tree can be moved; absolute where the caller's install folders are absolute.
-set(MNS_PC_PREFIX "${CMAKE_INSTALL_PREFIX}")
-if(NOT IS_ABSOLUTE "${CMAKE_INSTALL_LIBDIR}")
-  file(RELATIVE_PATH MNS_PC_PREFIX "/${CMAKE_INSTALL_LIBDIR}/pkgconfig" "/")
-  set(MNS_PC_PREFIX "\${pcfiledir}/${MNS_PC_PREFIX}")
-endif()
-foreach(kind INCLUDEDIR LIBDIR)
-  if(IS_ABSOLUTE "${CMAKE_INSTALL_${kind}}")
-    set(MNS_PC_${kind} "${CMAKE_INSTALL_${kind}}")
-  else()
-    set(MNS_PC_${kind} "\${prefix}/${CMAKE_INSTALL_${kind}}")
+# mns_install_module(NAME DESCRIPTION REQUIRES LIBS): NAME.pc, which finds its prefix from where it lies.
+function(mns_install_module pc_name pc_description pc_requires pc_libs)
+  set(pc_includedir "\${prefix}/${CMAKE_INSTALL_INCLUDEDIR}")
+  set(pc_libdir "\${prefix}/${CMAKE_INSTALL_LIBDIR}")
+  if(IS_ABSOLUTE "${CMAKE_INSTALL_INCLUDEDIR}")
+    set(pc_includedir "${CMAKE_INSTALL_INCLUDEDIR}")
   endif()
-endforeach()
-configure_file("${PROJECT_SOURCE_DIR}/cmake/meniscus.pc.in" "${PROJECT_BINARY_DIR}/meniscus.pc" @ONLY)
-install(FILES "${PROJECT_BINARY_DIR}/meniscus.pc" DESTINATION "${CMAKE_INSTALL_LIBDIR}/pkgconfig")
+  if(IS_ABSOLUTE "${CMAKE_INSTALL_LIBDIR}")
+    set(pc_libdir "${CMAKE_INSTALL_LIBDIR}")
+  endif()
+  file(RELATIVE_PATH pc_prefix "${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig" "${CMAKE_INSTALL_PREFIX}")
+  configure_file("${PROJECT_SOURCE_DIR}/cmake/meniscus.pc.in" "${package_build_dir}/${pc_name}.pc" @ONLY)
+  install(FILES "${package_build_dir}/${pc_name}.pc" DESTINATION "${CMAKE_INSTALL_LIBDIR}/pkgconfig")
+endfunction()
+
+# Who links a static library links its libraries too; a shared one has them already. An installation has one kind, so that nobody
+# has to ask pkg-config for --static.
+set(MNS_STATIC ON)
+set(libs " -pthread")
+if(CMAKE_SYSTEM_NAME STREQUAL "Linux")
+  string(APPEND libs " -lm")
+endif()
+set(io_requires "")
+set(MNS_IO_DEPENDENCIES "")
 if(MNS_BUILD_IO)
-  configure_file("${PROJECT_SOURCE_DIR}/cmake/meniscus-io.pc.in" "${PROJECT_BINARY_DIR}/meniscus-io.pc" @ONLY)
-  install(FILES "${PROJECT_BINARY_DIR}/meniscus-io.pc" DESTINATION "${CMAKE_INSTALL_LIBDIR}/pkgconfig")
+  get_property(io_requires GLOBAL PROPERTY MNS_IO_REQUIRES)
+  get_property(MNS_IO_DEPENDENCIES GLOBAL PROPERTY MNS_IO_DEPENDENCIES)
+  list(JOIN MNS_IO_DEPENDENCIES "\n    " MNS_IO_DEPENDENCIES)
+endif()
+if(BUILD_SHARED_LIBS)
+  set(MNS_STATIC OFF)
+  set(libs "")
+  set(io_requires "")
+endif()
+
+mns_install_library(meniscus meniscus meniscus-targets)
+mns_install_module(meniscus "${PROJECT_DESCRIPTION}" "" "-lmeniscus${libs}")
+set(unbuilt_header PATTERN io.h EXCLUDE)
+if(MNS_BUILD_IO)
+  mns_install_library(meniscus_io io meniscus-io-targets)
+  list(JOIN io_requires " " io_requires)
+  mns_install_module(meniscus-io "Particle and image files for meniscus" "meniscus = ${PROJECT_VERSION} ${io_requires}" "-lmeniscus_io")
+  set(unbuilt_header "")
+endif()
+
+install(DIRECTORY "${PROJECT_SOURCE_DIR}/include/meniscus" "${PROJECT_BINARY_DIR}/include/meniscus"
+  DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}" FILES_MATCHING PATTERN "*.h" ${unbuilt_header})
+
+configure_package_config_file("${PROJECT_SOURCE_DIR}/cmake/meniscus-config.cmake.in" "${package_build_dir}/meniscus-config.cmake"
+  INSTALL_DESTINATION "${package_dir}")
+if(PROJECT_VERSION_MAJOR EQUAL 0) # as the soname does
+  set(compatibility SameMinorVersion)
+else()
+  set(compatibility SameMajorVersion)
+endif()
+write_basic_package_version_file("${package_build_dir}/meniscus-config-version.cmake" COMPATIBILITY ${compatibility})
+install(FILES "${package_build_dir}/meniscus-config.cmake" "${package_build_dir}/meniscus-config-version.cmake" DESTINATION "${package_dir}")
+
+install(FILES "${PROJECT_SOURCE_DIR}/LICENSE" "${PROJECT_SOURCE_DIR}/THIRD-PARTY.md" DESTINATION "${CMAKE_INSTALL_DOCDIR}")
+install(DIRECTORY "${PROJECT_SOURCE_DIR}/examples" DESTINATION "${CMAKE_INSTALL_DOCDIR}")
+if(EXISTS "${PROJECT_SOURCE_DIR}/docs/meniscus.1")
+  install(FILES "${PROJECT_SOURCE_DIR}/docs/meniscus.1" DESTINATION "${CMAKE_INSTALL_MANDIR}/man1")
 endif()

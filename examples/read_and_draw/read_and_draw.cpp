@@ -1,25 +1,26 @@
-// read_and_draw.cpp: reads a particle file, frames it, draws it, writes a PNG. Needs meniscus::io.
+// read_and_draw.cpp: from a file of particles to a PNG, in C++.
 //
-//     read_and_draw PARTICLES PICTURE.png
+//     read_and_draw PARTICLES OUTPUT.png
 #include <meniscus/io.h>
 #include <meniscus/meniscus.h>
 
 #include <cstdint>
-#include <iostream>
+#include <cstdio>
+#include <exception>
 #include <memory>
 #include <stdexcept>
 #include <vector>
 
-namespace {
+namespace
+{
 
-struct SetDeleter {
+// Every object of the library has its destroy function, which unique_ptr calls.
+struct destroy {
     void operator()(mns_particle_set *set) const { mns_particle_set_destroy(&set); }
-};
-struct RendererDeleter {
     void operator()(mns_renderer *renderer) const { mns_renderer_destroy(&renderer); }
 };
-using Set = std::unique_ptr<mns_particle_set, SetDeleter>;
-using Renderer = std::unique_ptr<mns_renderer, RendererDeleter>;
+using particle_set = std::unique_ptr<mns_particle_set, destroy>;
+using renderer = std::unique_ptr<mns_renderer, destroy>;
 
 void check(mns_result result, const char *text)
 {
@@ -28,49 +29,57 @@ void check(mns_result result, const char *text)
     }
 }
 
-Set read(const char *path)
+void check(mns_result result, const renderer &source) { check(result, mns_renderer_message(source.get())); }
+
+particle_set read(const char *path)
 {
-    mns_message message;
     mns_particle_set *set = nullptr;
-    check(mns_particle_set_read(&set, path, nullptr, &message), message.text);
-    return Set(set);
-}
-
-Renderer create_renderer()
-{
     mns_message message;
-    mns_renderer *renderer = nullptr;
-    check(mns_renderer_create(&renderer, nullptr, &message), message.text);
-    return Renderer(renderer);
+    check(mns_particle_set_read(&set, path, nullptr, &message), message.text);
+    return particle_set(set);
 }
 
-void draw(const char *particles_path, const char *picture_path)
+renderer create_renderer()
 {
-    const int width = 1280, height = 720;
-    Set set = read(particles_path);
-    Renderer renderer = create_renderer();
-    check(mns_renderer_prepare(renderer.get(), mns_particle_set_particles(set.get())), mns_renderer_message(renderer.get()));
+    mns_renderer *created = nullptr;
+    mns_message message;
+    check(mns_renderer_create(&created, nullptr, &message), message.text);
+    return renderer(created);
+}
 
-    // What the renderer measured frames the picture.
-    mns_stats stats;
-    mns_stats_init(&stats);
-    mns_renderer_stats(renderer.get(), &stats);
+// A camera that sees all of the fluid, but for a few lost drops.
+mns_camera frame_fluid(const mns_particles &particles, int width, int height)
+{
+    mns_measure measure;
+    mns_message message;
+    check(mns_particles_measure(&particles, nullptr, &measure, &message), message.text);
     mns_camera camera;
     mns_camera_init(&camera, width, height);
-    check(mns_camera_frame(&camera, stats.measure.inner_min, stats.measure.inner_max, stats.measure.radius, MNS_AXIS_Y, 45),
-          "the particles cannot be framed");
+    check(mns_camera_frame(&camera, measure.inner_min, measure.inner_max, measure.radius, MNS_AXIS_Y, 45), "there is nothing to frame");
+    return camera;
+}
 
-    std::vector<std::uint8_t> pixels(static_cast<std::size_t>(width) * height * 4);
-    mns_output output = {MNS_LAYER_BEAUTY, {pixels.data(), 0, width, height, 4, MNS_PIXEL_U8}};
-    mns_frame frame;
+void read_and_draw(const char *input, const char *output)
+{
+    const int width = 1280, height = 720;
+    const particle_set set = read(input);
+    const mns_particles &particles = *mns_particle_set_particles(set.get());
+    const mns_camera camera = frame_fluid(particles, width, height);
+    std::vector<std::uint8_t> rgba(std::size_t(4) * width * height);
+    const mns_image image = {rgba.data(), 0, width, height, 4, MNS_PIXEL_U8};
+
+    const renderer drawing = create_renderer();
+    check(mns_renderer_prepare(drawing.get(), &particles), drawing);
+    const mns_output beauty = {MNS_LAYER_BEAUTY, image};
+    mns_frame frame; // no params, no scene: all defaults, under the library's own sky
     mns_frame_init(&frame);
     frame.camera = &camera;
-    frame.outputs = &output;
+    frame.outputs = &beauty;
     frame.output_count = 1;
-    check(mns_renderer_draw(renderer.get(), &frame), mns_renderer_message(renderer.get()));
+    check(mns_renderer_draw(drawing.get(), &frame), drawing);
 
     mns_message message;
-    check(mns_image_write(picture_path, &output.image, &message), message.text);
+    check(mns_image_write(output, &image, &message), message.text);
 }
 
 } // namespace
@@ -78,13 +87,13 @@ void draw(const char *particles_path, const char *picture_path)
 int main(int argc, char **argv)
 {
     if (argc != 3) {
-        std::cerr << "usage: read_and_draw PARTICLES PICTURE.png\n";
+        std::fprintf(stderr, "usage: read_and_draw PARTICLES OUTPUT.png\n");
         return 2;
     }
     try {
-        draw(argv[1], argv[2]);
+        read_and_draw(argv[1], argv[2]);
     } catch (const std::exception &error) {
-        std::cerr << error.what() << '\n';
+        std::fprintf(stderr, "read_and_draw: %s\n", error.what());
         return 1;
     }
     return 0;
