@@ -44,7 +44,7 @@ static int draw(struct bench *bench, double index)
     struct options turned = *bench->options;
     turned.camera.orbit += TURN;
     struct mns_camera camera;
-    int status = view_camera(&camera, &turned, &bench->survey, index);
+    int status = view_camera(&camera, &turned, &bench->survey, index, 0);
     if (status != STATUS_DONE) {
         return status;
     }

@@ -150,14 +150,5 @@ void options_free(struct options *options)
     free((void *)options->roles);
     free((void *)options->looks);
     free(options->settings);
-}
-
-bool options_has_setting(const struct options *options, const char *name)
-{
-    for (size_t i = 0; i < options->setting_count; i++) {
-        if (!strcmp(options->settings[i].name, name)) {
-            return true;
-        }
-    }
-    return false;
+    free(options->keys);
 }

@@ -30,6 +30,12 @@ struct camera_options {
     double orbit;                    /* degrees per frame about the up axis */
 };
 
+/* A camera at a frame's number; between keys it moves smoothly. */
+struct camera_key {
+    double frame;
+    struct camera_options camera; /* with eye and target */
+};
+
 struct options {
     enum command command;
     bool help;
@@ -50,6 +56,8 @@ struct options {
     int width, height; /* pixels */
     struct camera_options camera;
     const char *camera_file;
+    struct camera_key *keys; /* [key_count], by rising frame; from the camera file */
+    size_t key_count;
 
     struct setting *settings; /* [setting_count] in the order given; the last of a name wins */
     size_t setting_count;
@@ -76,9 +84,6 @@ struct options {
  * options_free may always be called. */
 int options_parse(struct options *options, enum command command, int count, char **arguments);
 void options_free(struct options *options);
-
-/* Sets a parameter after the command line's (from a case file), unless the command line or a look set it. */
-bool options_has_setting(const struct options *options, const char *name);
 
 /* The usage, options and parameters of a command. */
 void options_help(FILE *out, enum command command);

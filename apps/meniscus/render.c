@@ -128,7 +128,7 @@ static int draw(struct render *render, size_t i, const struct mns_particles *par
         survey_fix_params(&survey, particles->radius.data != NULL, particles->mass.data != NULL, &params);
     }
     struct mns_camera camera;
-    int status = view_camera(&camera, options, &survey, (double)i);
+    int status = view_camera(&camera, options, &survey, (double)i, (double)render->inputs.list[i].number);
     if (status != STATUS_DONE) {
         return status;
     }

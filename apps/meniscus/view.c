@@ -52,9 +52,50 @@ static int fail_view(void)
     return program_usage("the camera cannot be set so: --eye and --target must differ, and all its numbers must be finite");
 }
 
-int view_camera(struct mns_camera *camera, const struct options *options, const struct survey *survey, double index)
+/* Cubic through keys a and b, with the slopes that their neighbours give (Catmull and Rom 1974, at uneven steps). t: 0 to 1. */
+static double between(const double value[4], const double frame[4], double t)
 {
-    const struct camera_options *wanted = &options->camera;
+    double step = frame[2] - frame[1], rise = value[2] - value[1];
+    double slope_a = frame[2] > frame[0] ? step * (value[2] - value[0]) / (frame[2] - frame[0]) : rise;
+    double slope_b = frame[3] > frame[1] ? step * (value[3] - value[1]) / (frame[3] - frame[1]) : rise;
+    return value[1] + t * (slope_a + t * (3 * rise - 2 * slope_a - slope_b + t * (slope_a + slope_b - 2 * rise)));
+}
+
+/* The camera of the keys at a frame: the first before them, the last behind them. */
+static struct camera_options camera_at(const struct camera_key *keys, size_t count, double number)
+{
+    size_t after = 0;
+    while (after < count && keys[after].frame <= number) {
+        after++;
+    }
+    if (after == 0 || after == count) {
+        return keys[after ? count - 1 : 0].camera;
+    }
+    const struct camera_key *around[4] = {&keys[after > 1 ? after - 2 : 0], &keys[after - 1], &keys[after],
+                                          &keys[after + 1 < count ? after + 1 : after]};
+    struct camera_options out = around[1]->camera;
+    double t = (number - around[1]->frame) / (around[2]->frame - around[1]->frame), frames[4];
+    for (int k = 0; k < 4; k++) {
+        frames[k] = around[k]->frame;
+    }
+#define BETWEEN(field)                                                                                                                     \
+    between((double[]){around[0]->camera.field, around[1]->camera.field, around[2]->camera.field, around[3]->camera.field}, frames, t)
+    for (int i = 0; i < 3; i++) {
+        out.eye[i] = BETWEEN(eye[i]);
+        out.target[i] = BETWEEN(target[i]);
+        out.up[i] = BETWEEN(up[i]);
+    }
+    out.fov = fmin(fmax(BETWEEN(fov), 0.01), 179);
+    out.orthographic = out.orthographic > 0 ? fmax(BETWEEN(orthographic), 1e-3 * out.orthographic) : 0;
+#undef BETWEEN
+    return out;
+}
+
+int view_camera(struct mns_camera *camera, const struct options *options, const struct survey *survey, double index, double number)
+{
+    struct camera_options chosen = options->key_count ? camera_at(options->keys, options->key_count, number) : options->camera;
+    chosen.orbit = options->camera.orbit;
+    const struct camera_options *wanted = &chosen;
     int up_axis = options->params.up_axis;
     double eye[3], target[3], center[3], up[3] = {0}, near_plane, far_plane;
     mns_camera_init(camera, options->width, options->height);

@@ -77,6 +77,23 @@ refuses 1 'nowhere.json: cannot be opened' render in.npz -o no.png --camera nowh
 printf '{"camera": {}}' >bad.json
 refuses 1 'particles_file' render bad.json -o no.png
 
+# Key frames: at a key the key's camera, between them neither, behind them the last.
+for i in 1 2 3 4; do ln -s in.npz key_$i.npz; done
+printf '{"keys": [{"frame": 1, "eye": [0, 2, 4], "target": [0, 0.4, 0]}, {"frame": 3, "eye": [2, 2, 3], "target": [0, 0.4, 0], "fov": 40}]}' >keys.json
+ok render key_%d.npz -o key_%d.png $small --camera keys.json
+ok render key_%d.npz -o fix_%d.png $small --eye 0,2,4 --target 0,0.4,0
+cmp -s key_1.png fix_1.png || complain "the first key's camera is not what its options are"
+cmp -s key_2.png key_1.png && complain "the camera stands still between keys"
+cmp -s key_3.png key_4.png || complain "the camera moves behind the last key"
+printf '{"keys": [{"frame": 1, "eye": [0, 2, 4]}]}' >bad.json
+refuses 1 'must have a "frame", an "eye" and a "target"' render in.npz -o no.png --camera bad.json
+printf '{"keys": [3]}' >bad.json
+refuses 1 'must have a "frame"' render in.npz -o no.png --camera bad.json
+printf '{"keys": []}' >bad.json
+refuses 1 'must be an array of cameras' render in.npz -o no.png --camera bad.json
+printf '{"keys": [{"frame": 1, "eye": [0, 2, 4], "target": [0, 0, 0]}, {"frame": 1, "eye": [0, 2, 4], "target": [0, 0, 0]}]}' >bad.json
+refuses 1 'rising frames' render in.npz -o no.png --camera bad.json
+
 # Looks.
 ok render in.npz -o look1.png $small --set absorption=3,2,1 --filter narrow-range --exposure 0.5 --floor off --save-look look.json
 holds '"filter":	"narrow-range"' look.json
