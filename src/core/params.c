@@ -45,7 +45,7 @@ static const struct mns_param table[] = {
     {FLOAT(thickness_blur, 0, 20, 1.5), .unit = "r", .group = "thickness", .help = "sigma of the Gaussian that smooths thickness and colour; 0: off"},
 
     {ENUM(filter, filters, MNS_FILTER_NARROW_RANGE_1D_CLEANUP), .unit = "", .group = "smoothing", .help = "how the depth is smoothed"},
-    {INT(iterations, 1, 100, 2), .unit = "", .group = "smoothing", .help = "N times rows and columns, or N passes of a 2-D filter"},
+    {INT(iterations, 1, 100, 3), .unit = "", .group = "smoothing", .help = "N times rows and columns, or N passes of a 2-D filter"},
     {FLOAT(sigma, 0.01, 20, 0.7), .unit = "r", .group = "smoothing", .help = "sigma of the kernel in world space ([TY18] eq. 5)"},
     {FLOAT(delta, 0.1, 1000, 10), .unit = "r", .group = "smoothing", .help = "depth range that is smoothed together ([TY18] eq. 2 and 6)"},
     {FLOAT(mu, 0, 1000, 1), .unit = "r", .group = "smoothing",
