@@ -274,6 +274,16 @@ static bool is_auto(const struct mns_param *row, const float *values)
     return row->has_auto && values[0] == (float)row->defaults[0];
 }
 
+/* The shortest decimal that reads back as the same float. text: [32] */
+static const char *shortest(float value, char *text)
+{
+    int digits = 6;
+    do {
+        snprintf(text, 32, "%.*g", digits, (double)value);
+    } while (digits++ < 9 && strtof(text, NULL) != value);
+    return text;
+}
+
 int mns_params_get(const struct mns_params *params, const char *name, char *text, size_t size)
 {
     const struct mns_param *row = mns_param_find(name);
@@ -285,8 +295,9 @@ int mns_params_get(const struct mns_params *params, const char *name, char *text
         if (is_auto(row, v)) {
             return snprintf(text, size, "auto");
         }
-        return row->components == 3 ? snprintf(text, size, "%.9g,%.9g,%.9g", (double)v[0], (double)v[1], (double)v[2])
-                                    : snprintf(text, size, "%.9g", (double)v[0]);
+        char a[32], b[32], c[32];
+        return row->components == 3 ? snprintf(text, size, "%s,%s,%s", shortest(v[0], a), shortest(v[1], b), shortest(v[2], c))
+                                    : snprintf(text, size, "%s", shortest(v[0], a));
     }
     int v = int_of(params, row);
     if (row->type == MNS_PARAM_BOOL) {
