@@ -5,8 +5,9 @@
 
 #include <spng.h>
 
-/* zlib level 1 after the SUB filter: several times faster than the defaults, for files that are a few percent larger. */
-enum { LEVEL = 1 };
+/* zlib level 1 after the SUB filter: several times faster than the defaults, for files that are a few percent larger. Z_RLE, which looks for
+ * runs alone, is faster still, and on our pictures no larger. */
+enum { LEVEL = 1, STRATEGY_RLE = 3 };
 
 static mns_result check_png(const char *what, const struct mns_image *image, struct mns_message *message)
 {
@@ -40,6 +41,7 @@ static int set_up(spng_ctx *png, const struct mns_image *image, struct stream *s
                                .color_type = color_types[image->channels - 1]};
     int error = spng_set_png_stream(png, put, stream);
     error = error ? error : spng_set_option(png, SPNG_IMG_COMPRESSION_LEVEL, LEVEL);
+    error = error ? error : spng_set_option(png, SPNG_IMG_COMPRESSION_STRATEGY, STRATEGY_RLE);
     error = error ? error : spng_set_option(png, SPNG_FILTER_CHOICE, SPNG_FILTER_CHOICE_SUB);
     error = error ? error : spng_set_ihdr(png, &header);
     return error ? error : spng_set_srgb(png, 0); /* 0: perceptual intent */
