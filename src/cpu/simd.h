@@ -35,6 +35,7 @@ SIMD vf vf_load(const float *p) { return _mm512_load_ps(p); }
 SIMD vf vf_loadu(const float *p) { return _mm512_loadu_ps(p); }
 SIMD void vf_store(float *p, vf a) { _mm512_store_ps(p, a); }
 SIMD void vf_storeu(float *p, vf a) { _mm512_storeu_ps(p, a); }
+SIMD void vf_stream(float *p, vf a) { _mm512_stream_ps(p, a); }
 SIMD vf vf_fma(vf a, vf b, vf c) { return _mm512_fmadd_ps(a, b, c); }
 SIMD vf vf_fnma(vf a, vf b, vf c) { return _mm512_fnmadd_ps(a, b, c); }
 SIMD vf vf_min(vf a, vf b) { return _mm512_min_ps(a, b); }
@@ -121,6 +122,7 @@ SIMD vf vf_load(const float *p) { return _mm256_load_ps(p); }
 SIMD vf vf_loadu(const float *p) { return _mm256_loadu_ps(p); }
 SIMD void vf_store(float *p, vf a) { _mm256_store_ps(p, a); }
 SIMD void vf_storeu(float *p, vf a) { _mm256_storeu_ps(p, a); }
+SIMD void vf_stream(float *p, vf a) { _mm256_stream_ps(p, a); }
 SIMD vf vf_fma(vf a, vf b, vf c) { return _mm256_fmadd_ps(a, b, c); }
 SIMD vf vf_fnma(vf a, vf b, vf c) { return _mm256_fnmadd_ps(a, b, c); }
 SIMD vf vf_min(vf a, vf b) { return _mm256_min_ps(a, b); }
@@ -239,6 +241,7 @@ SIMD vf vf_load(const float *p) { return _mm_load_ps(p); }
 SIMD vf vf_loadu(const float *p) { return _mm_loadu_ps(p); }
 SIMD void vf_store(float *p, vf a) { _mm_store_ps(p, a); }
 SIMD void vf_storeu(float *p, vf a) { _mm_storeu_ps(p, a); }
+SIMD void vf_stream(float *p, vf a) { _mm_stream_ps(p, a); }
 SIMD vf vf_fma(vf a, vf b, vf c) { return _mm_add_ps(_mm_mul_ps(a, b), c); }
 SIMD vf vf_fnma(vf a, vf b, vf c) { return _mm_sub_ps(c, _mm_mul_ps(a, b)); }
 SIMD vf vf_min(vf a, vf b) { return _mm_min_ps(a, b); }
@@ -362,6 +365,7 @@ SIMD vf vf_load(const float *p) { return vld1q_f32(p); }
 SIMD vf vf_loadu(const float *p) { return vld1q_f32(p); }
 SIMD void vf_store(float *p, vf a) { vst1q_f32(p, a); }
 SIMD void vf_storeu(float *p, vf a) { vst1q_f32(p, a); }
+SIMD void vf_stream(float *p, vf a) { vst1q_f32(p, a); }
 SIMD vf vf_fma(vf a, vf b, vf c) { return vfmaq_f32(c, a, b); }
 SIMD vf vf_fnma(vf a, vf b, vf c) { return vfmsq_f32(c, a, b); }
 SIMD vf vf_select(vm m, vf a, vf b) { return vbslq_f32(m, a, b); }
@@ -446,6 +450,14 @@ SIMD void vi_store_u8(uint8_t *p, vi a)
 
 #endif
 
+/* vf_stream stores past the caches what will not be read again soon, whole cache lines of it; vf_stream_end comes after the last. */
+SIMD void vf_stream_end(void)
+{
+#ifndef MNS_SIMD_NEON
+    _mm_sfence();
+#endif
+}
+
 SIMD int vm_any(vm a) { return vm_bits(a) != 0; }
 SIMD int vm_all(vm a) { return vm_bits(a) == (1u << VLEN) - 1u; }
 SIMD vf vf_either(int first, vf a, vf b) /* for all lanes alike; ?: wants one spelling of the type */
@@ -468,6 +480,16 @@ SIMD vf vf_rsqrt(vf a)
 {
     vf r = vf_rsqrt_estimate(a);
     return r * vf_fnma(a * r, r * vf_set1(0.5f), vf_set1(1.5f));
+}
+
+/* 1 / sqrt(a) within 7e-5 relative, without a Newton step where the processor's own estimate is that good. */
+SIMD vf vf_rsqrt_quick(vf a)
+{
+#if defined(MNS_SIMD_AVX512) || defined(MNS_SIMD_NEON)
+    return vf_rsqrt_estimate(a);
+#else
+    return vf_rsqrt(a);
+#endif
 }
 
 /* e^a for a in [-87, 88]; smaller arguments give e^-87, larger ones e^88. 2^f by a polynomial on [-0.5, 0.5]. */

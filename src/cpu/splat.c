@@ -11,7 +11,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { DEPTH_BUCKETS = 256 };
+enum { DEPTH_BUCKETS = 256, PREFETCH = 4 /* chunks ahead */ };
 
 struct splat {
     struct backend *cpu;
@@ -62,9 +62,11 @@ static void clear_depth(const struct splat_view *view, struct splat_tile *tile)
 {
     for (int y = 0; y < TILE_SIZE; y++) {
         float *row = tile->nearest + y * TILE_STRIDE;
-        for (int x = 0; x < TILE_STRIDE; x++) {
-            row[x] = y < tile->pixels.rows && x < tile->pixels.columns ? DEPTH_EMPTY : 0;
+        int inside = y < tile->pixels.rows ? tile->pixels.columns : 0;
+        for (int x = 0; x < inside; x++) {
+            row[x] = DEPTH_EMPTY;
         }
+        memset(row + inside, 0, (size_t)(TILE_STRIDE - inside) * sizeof(float));
     }
     int columns = TILE_SIZE >> tile->shift_x, rows = TILE_SIZE >> tile->shift_y;
     for (int by = 0; by < rows; by++) {
@@ -101,6 +103,22 @@ static bool is_cut(const struct splat_view *view, const struct tile_chunk *chunk
     return chunk->sprite > DEPTH_LIMIT || chunk->near_depth < view->near_plane || chunk->far_depth > view->far_plane;
 }
 
+/* Asks for a chunk's positions ahead of time: chunks of a tile lie apart in memory. */
+static void prefetch_chunk(const struct particle_store *particles, size_t chunk)
+{
+#ifdef __GNUC__
+    enum { LINE_FLOATS = 16 };
+    for (size_t i = 0; i < CHUNK_SIZE; i += LINE_FLOATS) {
+        __builtin_prefetch(particles->x + chunk * CHUNK_SIZE + i);
+        __builtin_prefetch(particles->y + chunk * CHUNK_SIZE + i);
+        __builtin_prefetch(particles->z + chunk * CHUNK_SIZE + i);
+    }
+#else
+    (void)particles;
+    (void)chunk;
+#endif
+}
+
 static void draw_thickness(struct backend *cpu, struct splat_tile *tile, const uint32_t *entries, size_t count)
 {
     const struct tiles *tiles = cpu->tiles;
@@ -114,6 +132,9 @@ static void draw_thickness(struct backend *cpu, struct splat_tile *tile, const u
     }
     clear_thickness(&tiles->view, tile);
     for (size_t i = 0; i < count; i++) {
+        if (i + PREFETCH < count) {
+            prefetch_chunk(tiles->view.particles, entries[i + PREFETCH]);
+        }
         const struct tile_chunk *chunk = &tiles->chunks[entries[i]];
         if (chunk->far_depth > end || is_cut(&tiles->view, chunk)) {
             mns_cut_thickness(&tiles->view, tile, entries[i], chunk->far_depth > end ? scene : NULL);

@@ -18,7 +18,8 @@
  *                          8/5 + 2/(3 R_t^2): the same volume and, as it falls off smoothly, the same sum wherever the centres lie,
  *                          and the second moment of the sphere (R^2/5) and a texel (1/12) together;
  *   else                   its whole volume, bilinearly over the four nearest texels, whose second moment is alike at that size.
- * After the default blur one such sphere alone is within 2 % (RMS) of its chords, a deposit within 5 %, and both far closer inside a fluid. */
+ * After the default blur one smooth form alone is within 2 % (RMS) of its chords and a deposit within 5 %; inside a fluid both are far
+ * closer (bin.c). */
 #ifndef MNS_CPU_SPLAT_H
 #define MNS_CPU_SPLAT_H
 
@@ -39,7 +40,7 @@ enum {
 };
 
 #define CHORD_RADIUS   4.0f
-#define DEPOSIT_RADIUS 0.875f
+#define DEPOSIT_RADIUS 1.25f
 /* Texels that any of the three reaches beyond the sphere's outline: most for the smooth form, just under CHORD_RADIUS. */
 #define SUM_REACH 1.13f
 
@@ -101,9 +102,8 @@ struct splat_kernels {
     /* Draws the chunk's spheres into tile->nearest wherever tile->farthest says that they may show, and brings farthest up to date.
      * limit: none at this depth or beyond can show anywhere in the chunk's bounds.
      * Returns how many spheres it drew whose centre (moved into the picture) is in the tile.
-     * Tolerance: 3e-4 R + 6e-7 of the depth where s > 0.1 R: the estimate of the square root is good to 7e-5 and some five products
-     * round. At a rim s is ill-conditioned:
-     * s^2 is within 1e-4 R^2, so pixels there may come or go. */
+     * Tolerance: 3e-4 R + 6e-7 of the depth where s > 0.1 R, the centre displaced by up to 1e-4 pixels: the estimate of the square root
+     * is good to 7e-5, and some five products round. At a rim s is ill-conditioned: s^2 is within 1e-4 R^2, so pixels may come or go. */
     size_t (*depth)(const struct splat_view *view, struct splat_tile *tile, size_t chunk, float limit);
 
     /* Adds the chunk's thickness to sums and cells. Tolerance: of each chord as above; else 1e-4 of the sphere's largest term, and 1e-3

@@ -2,8 +2,8 @@
 #include "splat_test.h"
 
 /* Depth and chord are good to 3e-4 R where the ray is at least a tenth of R inside (splat.h). At the rim a pixel may come or go.
- * ROUNDING: of the depth, some five roundings of float between a particle and a pixel. */
-static const double TOLERANCE = 3e-4, RIM = 0.1, ROUNDING = 6e-7;
+ * ROUNDING: of the depth, some five roundings of float between a particle and a pixel; PLACE: of a projected centre, pixels. */
+static const double TOLERANCE = 3e-4, RIM = 0.1, ROUNDING = 6e-7, PLACE = 1e-4;
 
 static struct mns_particles particles_of(const float *position, size_t count)
 {
@@ -151,7 +151,8 @@ static struct reference brute_force(const struct mns_camera *camera, const float
                     double *nearest = inside < RIM ? &r.doubtful[at] : &r.depth[at];
                     *nearest = fmin(*nearest, enter);
                     r.chords[at] += 2 * fmax(inside, 0) * radius;
-                    r.rim[at] += (inside < RIM ? 0.2 : 2 * TOLERANCE) * radius;
+                    double lateral = PLACE * depth / focal / (inside * radius); /* what a shift of the centre does to s */
+                    r.rim[at] += (inside < RIM ? 0.2 : 2 * (TOLERANCE + lateral)) * radius;
                 }
             }
         }

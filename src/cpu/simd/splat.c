@@ -1,5 +1,591 @@
-/* splat.c: the kernels of stage splat: plain C compiled for the instruction set. */
+/* splat.c: the kernels of stages bin and splat over simd.h. Formulas and contracts: cpu/splat.h; their definition: cpu/scalar/splat.c. */
+#include "cpu/sprite.h"
+
 #include "cpu/simd.h"
 
-#define mns_splat_kernels_scalar SIMD_NAME(mns_splat_kernels)
-#include "cpu/scalar/splat.c"
+/* Spheres of VLEN particles in the units of a grid, as struct sprite. */
+struct spheres {
+    vf x, y, z, a, b, rho, rest, length2; /* rest: 1 - rho^2 */
+    vf radius;
+};
+
+/* Outlines, not yet cut to the grid. */
+struct outlines {
+    vf x_min, x_max, y_min, y_max;
+};
+
+/* Places of a grid, inclusive, cut to it. */
+struct places {
+    vf x0, x1, y0, y1;
+    vm some; /* where there are any */
+};
+
+/* What the loops over one sphere's places read: struct sprite_poly and the rest of VLEN spheres. */
+struct table {
+    float k0[VLEN], kx[VLEN], ky[VLEN], kxx[VLEN], kyy[VLEN], kxy[VLEN], v0[VLEN], vx[VLEN], vy[VLEN], x[VLEN], y[VLEN], amount[VLEN];
+    int32_t x0[VLEN], x1[VLEN], y0[VLEN], y1[VLEN];
+} __attribute__((aligned(64)));
+
+SIMD vf transform(const float row[3], vf x, vf y, vf z, float translation)
+{
+    return vf_fma(vf_set1(row[0]), x, vf_fma(vf_set1(row[1]), y, vf_fma(vf_set1(row[2]), z, vf_set1(translation))));
+}
+
+SIMD struct spheres project(const struct splat_view *view, const struct splat_grid *grid, size_t first)
+{
+    const struct particle_store *p = view->particles;
+    vf px = vf_load(p->x + first), py = vf_load(p->y + first), pz = vf_load(p->z + first);
+    struct spheres s;
+    vf x = transform(&view->rotation[0], px, py, pz, view->translation[0]);
+    vf y = transform(&view->rotation[3], px, py, pz, view->translation[1]);
+    s.z = transform(&view->rotation[6], px, py, pz, view->translation[2]);
+    s.radius = vf_set1(view->radius);
+    if (view->radius_scale > 0) {
+        s.radius = vf_set1(view->radius_scale) * vf_load(p->radius + first);
+    }
+    if (view->orthographic) {
+        s.a = s.b = s.rho = vf_zero();
+        s.rest = s.length2 = vf_set1(1);
+    } else {
+        vf per_depth = vf_rcp(s.z);
+        s.a = x = x * per_depth;
+        s.b = y = y * per_depth;
+        s.rho = s.radius * per_depth;
+        s.rest = vf_fnma(s.rho, s.rho, vf_set1(1));
+        s.length2 = vf_fma(s.a, s.a, vf_fma(s.b, s.b, vf_set1(1)));
+    }
+    s.x = vf_fma(vf_set1(grid->fx), x, vf_set1(grid->cx));
+    s.y = vf_fma(vf_set1(grid->fy), y, vf_set1(grid->cy));
+    return s;
+}
+
+/* sprite_extent on both sides of a centre at `at`, wider times as far. */
+SIMD void extend(vf slope, vf at, const struct spheres *s, vf per_rest, vf focal, vf wider, vf *low, vf *high)
+{
+    vf square = vf_fma(slope, slope, s->rest), reach = s->rho * square * vf_rsqrt(square);
+    vf scale = focal * per_rest * wider, shift = slope * s->rho * s->rho; /* the middle is slope / rest: slope rho^2 / rest further out */
+    *low = vf_fma(scale, shift - reach, at);
+    *high = vf_fma(scale, shift + reach, at);
+}
+
+SIMD struct outlines outline(const struct splat_view *view, const struct splat_grid *grid, const struct spheres *s, vf wider)
+{
+    struct outlines o;
+    if (view->orthographic) {
+        vf rx = vf_set1(grid->fx) * s->radius * wider, ry = vf_set1(grid->fy) * s->radius * wider;
+        return (struct outlines){s->x - rx, s->x + rx, s->y - ry, s->y + ry};
+    }
+    vf per_rest = vf_rcp(s->rest);
+    extend(s->a, s->x, s, per_rest, vf_set1(grid->fx), wider, &o.x_min, &o.x_max);
+    extend(s->b, s->y, s, per_rest, vf_set1(grid->fy), wider, &o.y_min, &o.y_max);
+    return o;
+}
+
+SIMD struct places places_of(const struct splat_grid *grid, const struct outlines *o)
+{
+    vf half = vf_set1(0.5f), right = vf_set1((float)(grid->columns - 1)), bottom = vf_set1((float)(grid->rows - 1));
+    vf x0 = vf_ceil(o->x_min - half), x1 = vf_floor(o->x_max - half), y0 = vf_ceil(o->y_min - half), y1 = vf_floor(o->y_max - half);
+    struct places p;
+    p.some = vm_and(vm_and(vf_le(x0, x1), vf_le(y0, y1)),
+                    vm_and(vm_and(vf_ge(x1, vf_zero()), vf_ge(y1, vf_zero())), vm_and(vf_le(x0, right), vf_le(y0, bottom))));
+    p.x0 = vf_clamp(x0, vf_zero(), right);
+    p.x1 = vf_clamp(x1, vf_zero(), right);
+    p.y0 = vf_clamp(y0, vf_zero(), bottom);
+    p.y1 = vf_clamp(y1, vf_zero(), bottom);
+    return p;
+}
+
+/* Fills all of the table but amount. */
+SIMD void tabulate(const struct splat_view *view, const struct splat_grid *grid, const struct spheres *s, const struct places *p,
+                   struct table *t)
+{
+    vf px = vf_set1(1 / grid->fx), py = vf_set1(1 / grid->fy), r2 = s->radius * s->radius;
+    if (view->orthographic) {
+        vf_store(t->k0, r2);
+        vf_store(t->kxx, -px * px);
+        vf_store(t->kyy, -py * py);
+        vf_store(t->v0, s->z);
+        vf_store(t->kx, vf_zero());
+        vf_store(t->ky, vf_zero());
+        vf_store(t->kxy, vf_zero());
+        vf_store(t->vx, vf_zero());
+        vf_store(t->vy, vf_zero());
+    } else {
+        vf zx = s->z * px, zy = s->z * py, two = vf_set1(2);
+        vf_store(t->k0, r2 * s->length2);
+        vf_store(t->kx, two * r2 * s->a * px);
+        vf_store(t->ky, two * r2 * s->b * py);
+        vf_store(t->kxx, -vf_fma(s->b, s->b, s->rest) * zx * zx);
+        vf_store(t->kyy, -vf_fma(s->a, s->a, s->rest) * zy * zy);
+        vf_store(t->kxy, two * s->a * s->b * zx * zy);
+        vf_store(t->v0, s->z * s->length2);
+        vf_store(t->vx, zx * s->a);
+        vf_store(t->vy, zy * s->b);
+    }
+    vf_store(t->x, s->x);
+    vf_store(t->y, s->y);
+    vi_store(t->x0, vf_truncate(p->x0));
+    vi_store(t->x1, vf_truncate(p->x1));
+    vi_store(t->y0, vf_truncate(p->y0));
+    vi_store(t->y1, vf_truncate(p->y1));
+}
+
+/* s^2 down a column of lanes: k[0] + dy (k[1] + dy k[2]), for the columns that begin at place x. */
+struct columns {
+    vf k[3];
+};
+
+SIMD struct columns columns_at(const struct table *t, int i, int x)
+{
+    vf dx = vf_set1((float)x + 0.5f - t->x[i]) + vf_iota();
+    return (struct columns){{vf_fma(vf_fma(vf_set1(t->kxx[i]), dx, vf_set1(t->kx[i])), dx, vf_set1(t->k0[i])),
+                             vf_fma(vf_set1(t->kxy[i]), dx, vf_set1(t->ky[i])), vf_set1(t->kyy[i])}};
+}
+
+/* Lanes past the sphere's last column fail s^2 > 0: the form is negative everywhere outside the outline. They may be past the tile's
+ * last column, in the room that TILE_STRIDE leaves. */
+static void draw_depth(const struct table *t, int i, float *nearest)
+{
+    for (int x = t->x0[i]; x <= t->x1[i]; x += VLEN) {
+        struct columns c = columns_at(t, i, x);
+        vf along = vf_fma(vf_set1(t->vx[i]), vf_set1((float)x + 0.5f - t->x[i]) + vf_iota(), vf_set1(t->v0[i])), vy = vf_set1(t->vy[i]);
+        vf dy = vf_set1((float)t->y0[i] + 0.5f - t->y[i]), one = vf_set1(1);
+        float *row = nearest + t->y0[i] * TILE_STRIDE + x;
+        for (int y = t->y0[i]; y <= t->y1[i]; y++, row += TILE_STRIDE, dy += one) {
+            vf s2 = vf_fma(vf_fma(c.k[2], dy, c.k[1]), dy, c.k[0]);
+            vf near_root = vf_fnma(s2, vf_rsqrt_quick(s2), vf_fma(vy, dy, along));
+            vf_storeu(row, vf_mask_min(vf_loadu(row), vf_gt(s2, vf_zero()), near_root));
+        }
+    }
+}
+
+/* The farthest of a block. */
+SIMD float most_in(const float *row, int width, int height)
+{
+    vf most = vf_zero();
+    for (int y = 0; y < height; y++, row += TILE_STRIDE) {
+        for (int x = 0; x < width; x += VLEN) {
+            most = vf_max(most, vf_load(row + x));
+        }
+    }
+    return vf_reduce_max(most);
+}
+
+static void update_farthest(struct splat_tile *tile, int x0, int x1, int y0, int y1)
+{
+    int columns = TILE_SIZE >> tile->shift_x, width = 1 << tile->shift_x, height = 1 << tile->shift_y;
+    for (int by = y0 >> tile->shift_y; by <= y1 >> tile->shift_y; by++) {
+        for (int bx = x0 >> tile->shift_x; bx <= x1 >> tile->shift_x; bx++) {
+            float most = most_in(tile->nearest + by * height * TILE_STRIDE + bx * width, width, height);
+            int block = by * columns + bx;
+            tile->farthest[block] = most > DEPTH_LIMIT ? DEPTH_EMPTY : most * tile->per_nearest[block];
+        }
+    }
+}
+
+/* Nothing at this depth or beyond can show in the places: no sphere spans more than two blocks each way. */
+SIMD vf hidden_from(const struct splat_tile *tile, const struct places *p)
+{
+    int shift = 7 - tile->shift_x; /* log2 of the blocks in a row */
+    vi x0 = vi_shr(vf_truncate(p->x0), tile->shift_x), x1 = vi_shr(vf_truncate(p->x1), tile->shift_x);
+    vi y0 = vi_shl(vi_shr(vf_truncate(p->y0), tile->shift_y), shift), y1 = vi_shl(vi_shr(vf_truncate(p->y1), tile->shift_y), shift);
+    vf above = vf_max(vf_gather(tile->farthest, vi_add(y0, x0)), vf_gather(tile->farthest, vi_add(y0, x1)));
+    vf below = vf_max(vf_gather(tile->farthest, vi_add(y1, x0)), vf_gather(tile->farthest, vi_add(y1, x1)));
+    return vf_max(above, below);
+}
+
+/* sprite_is_home. */
+SIMD vm is_home(const struct splat_view *view, const struct splat_tile *tile, const struct spheres *s)
+{
+    vf left = vf_set1((float)-tile->x), top = vf_set1((float)-tile->y), size = vf_set1(TILE_SIZE);
+    vf x = vf_clamp(s->x, left, vf_set1((float)(view->width - tile->x) - 0.5f));
+    vf y = vf_clamp(s->y, top, vf_set1((float)(view->height - tile->y) - 0.5f));
+    return vm_and(vm_and(vf_ge(x, vf_zero()), vf_lt(x, size)), vm_and(vf_ge(y, vf_zero()), vf_lt(y, size)));
+}
+
+/* Lanes of particles first to first + VLEN - 1 that exist. */
+SIMD vm present(const struct splat_view *view, size_t first)
+{
+    size_t left = first < view->particles->count ? view->particles->count - first : 0;
+    return vm_first(left < VLEN ? (int)left : VLEN);
+}
+
+static size_t depth(const struct splat_view *view, struct splat_tile *tile, size_t chunk, float limit)
+{
+    struct table table;
+    struct places touched = {.x0 = vf_set1(TILE_SIZE), .x1 = vf_set1(-1), .y0 = vf_set1(TILE_SIZE), .y1 = vf_set1(-1)};
+    size_t drawn = 0;
+    bool any = false;
+    for (size_t first = chunk * CHUNK_SIZE; first < (chunk + 1) * CHUNK_SIZE; first += VLEN) {
+        struct spheres s = project(view, &tile->pixels, first);
+        vf nearest = s.z - s.radius - vf_set1(view->slack);
+        vm shows = vm_and(present(view, first), vf_lt(nearest, vf_set1(limit)));
+        if (!vm_any(shows)) {
+            continue;
+        }
+        struct outlines o = outline(view, &tile->pixels, &s, vf_set1(1));
+        struct places p = places_of(&tile->pixels, &o);
+        shows = vm_and(vm_and(shows, p.some), vf_lt(nearest, hidden_from(tile, &p)));
+        unsigned lanes = vm_bits(shows);
+        if (lanes == 0) {
+            continue;
+        }
+        any = true;
+        tabulate(view, &tile->pixels, &s, &p, &table);
+        drawn += (size_t)__builtin_popcount(vm_bits(vm_and(shows, is_home(view, tile, &s))));
+        touched.x0 = vf_mask_min(touched.x0, shows, p.x0);
+        touched.y0 = vf_mask_min(touched.y0, shows, p.y0);
+        touched.x1 = vf_mask_max(touched.x1, shows, p.x1);
+        touched.y1 = vf_mask_max(touched.y1, shows, p.y1);
+        for (; lanes != 0; lanes &= lanes - 1) {
+            draw_depth(&table, __builtin_ctz(lanes), tile->nearest);
+        }
+    }
+    if (any) {
+        update_farthest(tile, (int)vf_reduce_min(touched.x0), (int)vf_reduce_max(touched.x1), (int)vf_reduce_min(touched.y0),
+                        (int)vf_reduce_max(touched.y1));
+    }
+    return drawn;
+}
+
+SIMD vf weight_of(const struct splat_view *view, size_t first, vf radius)
+{
+    vf weight = vf_set1(view->weight);
+    if (view->per_mass) {
+        weight = weight * vf_load(view->particles->mass + first);
+    }
+    if (view->per_cube) {
+        weight = weight / (radius * radius * radius);
+    }
+    return weight;
+}
+
+/* Adds amount * s, or the smooth form, to one plane of sums. */
+SIMD void draw_sum(const struct table *t, int i, float amount, float *sums, bool smooth)
+{
+    for (int x = t->x0[i]; x <= t->x1[i]; x += VLEN) {
+        struct columns c = columns_at(t, i, x);
+        vf dy = vf_set1((float)t->y0[i] + 0.5f - t->y[i]), one = vf_set1(1), scale = vf_set1(amount);
+        float *row = sums + t->y0[i] * TILE_STRIDE + x;
+        for (int y = t->y0[i]; y <= t->y1[i]; y++, row += TILE_STRIDE, dy += one) {
+            vf s2 = vf_max(vf_fma(vf_fma(c.k[2], dy, c.k[1]), dy, c.k[0]), vf_zero());
+            vf value = s2 * s2;
+            if (!smooth) {
+                value = vf_keep(vf_gt(s2, vf_zero()), s2 * vf_rsqrt_quick(s2));
+            }
+            vf_storeu(row, vf_fma(scale, value, vf_loadu(row)));
+        }
+    }
+}
+
+static void draw_sums(const struct splat_view *view, struct splat_tile *tile, const struct table *t, size_t first, unsigned lanes,
+                      unsigned smooth)
+{
+    for (; lanes != 0; lanes &= lanes - 1) {
+        int i = __builtin_ctz(lanes);
+        for (int k = 0; k < (view->has_color ? SUM_COUNT : 1); k++) {
+            float amount = k == 0 ? t->amount[i] : t->amount[i] * view->particles->color[k - 1][first + (size_t)i];
+            if (smooth >> i & 1) {
+                draw_sum(t, i, amount, tile->sums[k], true);
+            } else {
+                draw_sum(t, i, amount, tile->sums[k], false);
+            }
+        }
+    }
+}
+
+/* Scales the s^2 of smooth lanes to 1 - q + q s^2 / k0, whose positive part squared is the smooth form. */
+SIMD void smooth_table(struct table *t, vm smooth, vf falloff)
+{
+    vf k0 = vf_load(t->k0), scale = vf_select(smooth, falloff / k0, vf_set1(1));
+    vf_store(t->k0, vf_select(smooth, vf_set1(1), k0));
+    vf_store(t->kx, vf_load(t->kx) * scale);
+    vf_store(t->ky, vf_load(t->ky) * scale);
+    vf_store(t->kxx, vf_load(t->kxx) * scale);
+    vf_store(t->kyy, vf_load(t->kyy) * scale);
+    vf_store(t->kxy, vf_load(t->kxy) * scale);
+    vf_store(t->amount, vf_load(t->amount) * vf_select(smooth, vf_set1(2) * falloff * vf_sqrt(k0), vf_set1(1)));
+}
+
+/* Chords and smooth forms of the lanes that are not small. */
+static void add_places(const struct splat_view *view, struct splat_tile *tile, const struct spheres *s, size_t first, vm large, vf size, vf weight)
+{
+    struct table table;
+    vm smooth = view->scale > 1 ? vf_lt(size, vf_set1(CHORD_RADIUS)) : vf_lt(size, vf_zero());
+    vf spread = vf_set1(1.6f) + vf_set1(2.0f / 3.0f) * vf_rcp(size * size); /* 1 / q */
+    vf wider = vf_select(smooth, spread * vf_rsqrt(spread), vf_set1(1));
+    struct outlines o = outline(view, &tile->texels, s, wider);
+    struct places p = places_of(&tile->texels, &o);
+    vm seen = vm_and(large, p.some);
+    if (vm_any(seen)) {
+        tabulate(view, &tile->texels, s, &p, &table);
+        vf_store(table.amount, weight);
+        smooth_table(&table, smooth, vf_rcp(spread));
+        draw_sums(view, tile, &table, first, vm_bits(seen), vm_bits(smooth));
+    }
+}
+
+/* Four floats of a deposit cell. */
+typedef float cell_t __attribute__((vector_size(16), may_alias));
+
+/* The four corner weights of each lane's deposit, one plane. */
+SIMD void add_cells(float *cells, vf amount, vf fx, vf fy, const int32_t place[VLEN], unsigned lanes)
+{
+    vf high = amount * fy, low = amount - high, low_right = low * fx, high_right = high * fx;
+    vf corners[4] = {low - low_right, low_right, high - high_right, high_right};
+    vf_transpose_4(corners); /* lane i is now four floats of corners[i % 4] */
+    float quads[4 * VLEN] __attribute__((aligned(64)));
+    for (int k = 0; k < 4; k++) {
+        vf_store(quads + k * VLEN, corners[k]);
+    }
+    if (lanes == (1u << VLEN) - 1) {
+        for (int i = 0; i < VLEN; i++) {
+            *(cell_t *)(cells + place[i]) += *(const cell_t *)(quads + i % 4 * VLEN + i / 4 * 4);
+        }
+        return;
+    }
+    for (; lanes != 0; lanes &= lanes - 1) {
+        int i = __builtin_ctz(lanes);
+        *(cell_t *)(cells + place[i]) += *(const cell_t *)(quads + i % 4 * VLEN + i / 4 * 4);
+    }
+}
+
+static void add_deposits(const struct splat_view *view, struct splat_tile *tile, const struct spheres *s, size_t first, vm small, vf weight)
+{
+    const struct splat_grid *grid = &tile->texels;
+    vf x = s->x + vf_set1(0.5f), y = s->y + vf_set1(0.5f);
+    vm reaches = vm_and(vm_and(vf_gt(x, vf_zero()), vf_lt(x, vf_set1((float)(grid->columns + 1)))),
+                        vm_and(vf_gt(y, vf_zero()), vf_lt(y, vf_set1((float)(grid->rows + 1)))));
+    unsigned lanes = vm_bits(vm_and(small, reaches));
+    if (lanes == 0) {
+        return;
+    }
+    vf cube = s->radius * s->radius * s->radius;
+    vf amount = weight * cube * s->length2 * vf_set1(0.5f * SPHERE_VOLUME * grid->fx * grid->fy);
+    if (!view->orthographic) {
+        vf per_depth = vf_rcp(s->z);
+        amount = amount * per_depth * per_depth;
+    }
+    vf left = vf_floor(x), top = vf_floor(y);
+    int32_t place[VLEN] __attribute__((aligned(64)));
+    vi_store(place, vi_add(vi_mul(vf_truncate(top), vi_set1(CELL_STRIDE)), vi_shl(vf_truncate(left), 2)));
+    add_cells(tile->cells[0], amount, x - left, y - top, place, lanes);
+    for (int c = 0; c < 3 && view->has_color; c++) {
+        add_cells(tile->cells[1 + c], amount * vf_load(view->particles->color[c] + first), x - left, y - top, place, lanes);
+    }
+    tile->deposited = true;
+}
+
+static void thickness(const struct splat_view *view, struct splat_tile *tile, size_t chunk)
+{
+    vf per_metre = vf_set1(0.5f * (tile->texels.fx + tile->texels.fy));
+    for (size_t first = chunk * CHUNK_SIZE; first < (chunk + 1) * CHUNK_SIZE; first += VLEN) {
+        struct spheres s = project(view, &tile->texels, first);
+        vf size = per_metre * (view->orthographic ? s.radius : s.rho), weight = weight_of(view, first, s.radius);
+        vm real = present(view, first), small = view->scale > 1 ? vf_lt(size, vf_set1(DEPOSIT_RADIUS)) : vf_lt(size, vf_zero());
+        if (vm_any(small)) {
+            add_deposits(view, tile, &s, first, vm_and(real, small), weight);
+        }
+        if (!vm_all(small)) {
+            add_places(view, tile, &s, first, vm_and(real, vm_not(small)), size, weight);
+        }
+    }
+}
+
+/* What |v|^2 along a row of a grid is made of: across + ((x + 0.5 - center) per_focal)^2; orthographic: 1. */
+struct ray_row {
+    vf across, first, per_focal; /* first: x + 0.5 - center for the lanes of place 0 */
+};
+
+SIMD struct ray_row ray_row_at(const struct splat_view *view, const struct splat_grid *grid, int y)
+{
+    if (view->orthographic) {
+        return (struct ray_row){vf_set1(1), vf_zero(), vf_zero()};
+    }
+    float w = ((float)y + 0.5f - grid->cy) / grid->fy;
+    return (struct ray_row){vf_set1(w * w + 1), vf_set1(0.5f - grid->cx) + vf_iota(), vf_set1(1 / grid->fx)};
+}
+
+SIMD vf ray_length2(const struct ray_row *row, int x)
+{
+    vf u = (row->first + vf_set1((float)x)) * row->per_focal;
+    return vf_fma(u, u, row->across);
+}
+
+/* One row of pixels, from place x on; ranges: of the strips of the block row so far. Returns how many hold fluid. */
+SIMD size_t resolve_row(const struct splat_view *view, const struct splat_tile *tile, int y, float *out, vf *least, vf *most)
+{
+    size_t covered = 0;
+    const float *row = tile->nearest + y * TILE_STRIDE;
+    const int columns = tile->pixels.columns;
+    struct ray_row ray = ray_row_at(view, &tile->pixels, y);
+    for (int x = 0, strip = 0; x < columns; x += VLEN, strip++) {
+        vf nearest = vf_load(row + x);
+        vm inside = vm_first(columns - x), fluid = vm_and(inside, vf_lt(nearest, vf_set1(DEPTH_LIMIT)));
+        vf z = nearest * vf_rcp(ray_length2(&ray, x));
+        z = vf_select(fluid, z, vf_keep(inside, vf_set1(DEPTH_EMPTY)));
+        vf_stream(out + x, z);
+        least[strip] = vf_mask_min(least[strip], inside, z);
+        most[strip] = vf_max(most[strip], z);
+        covered += (size_t)__builtin_popcount(vm_bits(fluid));
+    }
+    return covered;
+}
+
+static size_t resolve_depth(const struct splat_view *view, const struct splat_tile *tile, struct depth_plane *out)
+{
+    size_t covered = 0;
+    for (int by = 0; by < tile->pixels.rows; by += BLOCK_HEIGHT) {
+        vf least[TILE_SIZE / VLEN], most[TILE_SIZE / VLEN];
+        for (int strip = 0; strip < TILE_SIZE / VLEN; strip++) {
+            least[strip] = vf_set1(DEPTH_EMPTY);
+            most[strip] = vf_zero();
+        }
+        int last = by + BLOCK_HEIGHT < tile->pixels.rows ? by + BLOCK_HEIGHT : tile->pixels.rows;
+        for (int y = by; y < last; y++) {
+            covered += resolve_row(view, tile, y, out->plane.data + (tile->y + y) * out->plane.stride + tile->x, least, most);
+        }
+        struct depth_range *range = out->ranges + (tile->y + by) / BLOCK_HEIGHT * out->blocks_x + tile->x / BLOCK_WIDTH;
+        for (int bx = 0, strip = 0; bx < tile->pixels.columns; bx += BLOCK_WIDTH, range++) {
+            vf block_least = least[strip], block_most = most[strip];
+            for (int last_strip = strip++ + BLOCK_WIDTH / VLEN; strip < last_strip; strip++) {
+                block_least = vf_min(block_least, least[strip]);
+                block_most = vf_max(block_most, most[strip]);
+            }
+            *range = (struct depth_range){.min = vf_reduce_min(block_least), .max = vf_reduce_max(block_most)};
+        }
+    }
+    vf_stream_end();
+    return covered;
+}
+
+/* The four cells about texel x of a row, summed. */
+static float cell_sum(const float *above, int x)
+{
+    const float *a = above + 4 * x, *b = a + CELL_STRIDE;
+    return (b[4] + b[1]) + (a[6] + a[3]);
+}
+
+static void resolve_sum(const struct splat_view *view, const struct splat_tile *tile, int sum, struct plane *out)
+{
+    for (int y = 0; y < tile->texels.rows; y++) {
+        float *row = out->data + (tile->y / view->scale + y) * out->stride + tile->x / view->scale;
+        const float *sums = tile->sums[sum] + y * TILE_STRIDE;
+        struct ray_row ray = ray_row_at(view, &tile->texels, y);
+        for (int x = 0; x < tile->texels.columns; x += VLEN) {
+            float values[VLEN] __attribute__((aligned(64)));
+            int lanes = tile->texels.columns - x < VLEN ? tile->texels.columns - x : VLEN;
+            vf_store(values, vf_load(sums + x));
+            for (int i = 0; i < lanes && tile->deposited; i++) {
+                values[i] += cell_sum(tile->cells[sum] + y * CELL_STRIDE, x + i);
+            }
+            vf value = vf_set1(2) * vf_load(values) * vf_rsqrt(ray_length2(&ray, x));
+            vf_store(values, value);
+            for (int i = 0; i < lanes; i++) {
+                row[x + i] = values[i];
+            }
+        }
+    }
+}
+
+/* Boxes of VLEN chunks in image space, grown by the slack, and the largest radii. */
+struct boxes {
+    vf center[3], extent[3], radius;
+};
+
+SIMD struct boxes boxes_of(const struct splat_view *view, size_t first)
+{
+    const struct particle_store *p = view->particles;
+    struct boxes out;
+    for (int k = 0; k < 3; k++) {
+        out.center[k] = vf_set1(view->translation[k]);
+        out.extent[k] = vf_set1(view->slack);
+        for (int axis = 0; axis < 3; axis++) {
+            vf low = vf_loadu(p->box_min[axis] + first), high = vf_loadu(p->box_max[axis] + first);
+            float r = 0.5f * view->rotation[3 * k + axis];
+            out.center[k] = vf_fma(vf_set1(r), low + high, out.center[k]);
+            out.extent[k] = vf_fma(vf_set1(fabsf(r)), high - low, out.extent[k]);
+        }
+    }
+    out.radius = vf_set1(view->radius);
+    if (view->radius_scale > 0) {
+        out.radius = vf_set1(view->radius_scale) * vf_loadu(p->box_radius + first);
+    }
+    return out;
+}
+
+/* Lower and upper end in grid units along one axis of everything in boxes between depths nearest and farthest (as their reciprocals), and
+ * half of the widest outline. */
+SIMD void box_extent(const struct boxes *box, int axis, vf per_near, vf per_far, float focal, vf *low, vf *high, vf *half)
+{
+    vf left = box->center[axis] - box->extent[axis], right = box->center[axis] + box->extent[axis];
+    vf slope_min = vf_min(left * per_near, left * per_far), slope_max = vf_max(right * per_near, right * per_far);
+    vf rho = box->radius * per_near, rest = vf_fnma(rho, rho, vf_set1(1)), scale = vf_set1(focal) / rest;
+    vf steep = vf_max(vf_abs(slope_min), vf_abs(slope_max));
+    *low = scale * (slope_min - rho * vf_sqrt(vf_fma(slope_min, slope_min, rest)));
+    *high = scale * (slope_max + rho * vf_sqrt(vf_fma(slope_max, slope_max, rest)));
+    *half = scale * rho * vf_sqrt(vf_fma(steep, steep, rest));
+}
+
+/* Whether the boxes are wholly beyond the plane nx x + nz z = 0 of the frustum. */
+SIMD vm beyond(const struct boxes *box, int axis, float nx, float nz)
+{
+    vf inside = vf_set1(nx) * box->center[axis] + vf_set1(nz) * box->center[2] + vf_set1(fabsf(nx)) * (box->extent[axis] + box->radius) +
+                vf_set1(fabsf(nz)) * (box->extent[2] + box->radius);
+    return vf_lt(inside, vf_zero());
+}
+
+SIMD void bounds_at(const struct splat_view *view, size_t first, size_t at, struct splat_bounds *out)
+{
+    struct boxes box = boxes_of(view, first + at);
+    vf nearest = box.center[2] - box.extent[2], farthest = box.center[2] + box.extent[2];
+    float reach = view->scale > 1 ? SUM_REACH * (float)view->scale : 0, w = (float)view->width, h = (float)view->height;
+    vf x_min, x_max, y_min, y_max, sprite;
+    if (view->orthographic) {
+        vf rx = vf_set1(view->fx) * box.radius, ry = vf_set1(view->fy) * box.radius;
+        x_min = vf_set1(view->fx) * (box.center[0] - box.extent[0]) - rx;
+        x_max = vf_set1(view->fx) * (box.center[0] + box.extent[0]) + rx;
+        y_min = vf_set1(view->fy) * (box.center[1] - box.extent[1]) - ry;
+        y_max = vf_set1(view->fy) * (box.center[1] + box.extent[1]) + ry;
+        sprite = vf_max(rx, ry);
+    } else {
+        vf per_near = vf_set1(1) / nearest, per_far = vf_set1(1) / farthest, half_x, half_y;
+        box_extent(&box, 0, per_near, per_far, view->fx, &x_min, &x_max, &half_x);
+        box_extent(&box, 1, per_near, per_far, view->fy, &y_min, &y_max, &half_y);
+        sprite = vf_max(half_x, half_y);
+    }
+    x_min = x_min + vf_set1(view->cx - reach);
+    x_max = x_max + vf_set1(view->cx + reach);
+    y_min = y_min + vf_set1(view->cy - reach);
+    y_max = y_max + vf_set1(view->cy + reach);
+    vm fits = vm_and(vf_ge(nearest, vf_set1(CLOSE_RADII) * box.radius), vf_gt(nearest, vf_zero()));
+    if (!view->orthographic && !vm_all(fits)) {
+        /* Close to the eye: all of the picture, unless beyond one side of the frustum, widened by reach. */
+        vm gone = vm_or(vm_or(beyond(&box, 0, view->fx, view->cx + reach), beyond(&box, 0, -view->fx, w - view->cx + reach)),
+                        vm_or(beyond(&box, 1, view->fy, view->cy + reach), beyond(&box, 1, -view->fy, h - view->cy + reach)));
+        x_min = vf_select(fits, x_min, vf_zero());
+        x_max = vf_select(fits, x_max, vf_select(gone, vf_set1(-1), vf_set1(w)));
+        y_min = vf_select(fits, y_min, vf_zero());
+        y_max = vf_select(fits, y_max, vf_set1(h));
+        sprite = vf_select(fits, sprite, vf_set1(DEPTH_EMPTY));
+    }
+    vf near_depth = nearest - box.radius, far_depth = farthest + box.radius;
+    vm apart = vm_or(vf_lt(far_depth, vf_set1(view->near_plane)), vf_gt(near_depth, vf_set1(view->far_plane)));
+    vf_storeu(out->x_min + at, x_min);
+    vf_storeu(out->x_max + at, vf_select(apart, x_min - vf_set1(1), x_max));
+    vf_storeu(out->y_min + at, y_min);
+    vf_storeu(out->y_max + at, y_max);
+    vf_storeu(out->near_depth + at, near_depth);
+    vf_storeu(out->far_depth + at, far_depth);
+    vf_storeu(out->sprite + at, sprite);
+}
+
+static void bounds(const struct splat_view *view, size_t first, struct splat_bounds *out)
+{
+    for (size_t at = 0; at < BOUNDS_BATCH; at += VLEN) {
+        bounds_at(view, first, at, out);
+    }
+}
+
+const struct splat_kernels SIMD_NAME(mns_splat_kernels) = {
+    .bounds = bounds, .depth = depth, .thickness = thickness, .resolve_depth = resolve_depth, .resolve_sum = resolve_sum};
