@@ -308,7 +308,8 @@ SIMD void smooth_table(struct table *t, vm smooth, vf falloff)
 }
 
 /* Chords and smooth forms of the lanes that are not small. */
-static void add_places(const struct splat_view *view, struct splat_tile *tile, const struct spheres *s, size_t first, vm large, vf size, vf weight)
+static void add_places(const struct splat_view *view, struct splat_tile *tile, const struct spheres *s, size_t first, vm large, vf size,
+                       vf weight)
 {
     struct table table;
     vm smooth = view->scale > 1 ? vf_lt(size, vf_set1(CHORD_RADIUS)) : vf_lt(size, vf_zero());

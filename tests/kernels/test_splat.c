@@ -1,0 +1,269 @@
+/* test_splat.c: the kernels of stages bin and splat of every instruction set against plain C, within the tolerances of cpu/splat.h. */
+#include "splat_test.h"
+
+#include "cpu/sprite.h"
+#include "cpu/tiles.h"
+
+enum { CHUNKS = 24, COUNT = CHUNKS * CHUNK_SIZE - 11 };
+
+/* Chunks of balls, and the tile that they are drawn in: twice the same, for two tables of kernels. */
+struct bench {
+    struct memory memory;
+    struct particle_store store;
+    struct splat_view view;
+    struct tiles tiles;
+    struct splat_tile *tile[2];
+};
+
+enum kind { PERSPECTIVE, OFF_CENTER, ORTHOGRAPHIC, OWN_RADII, KINDS };
+
+static void open_bench(struct bench *b, enum kind kind, int scale, float pixels)
+{
+    memset(b, 0, sizeof(*b));
+    mns_memory_init(&b->memory, NULL);
+    b->store = (struct particle_store){.count = COUNT, .chunk_count = CHUNKS};
+    float **arrays[] = {&b->store.x,    &b->store.y,        &b->store.z,        &b->store.radius,
+                        &b->store.mass, &b->store.color[0], &b->store.color[1], &b->store.color[2]};
+    uint64_t seed = 77 + (uint64_t)kind;
+    for (int k = 0; k < 8; k++) {
+        *arrays[k] = mns_memory_get(&b->memory, CHUNKS * CHUNK_SIZE, sizeof(float));
+        for (size_t i = 0; i < CHUNKS * CHUNK_SIZE; i++) {
+            double u = random_unit(&seed);
+            (*arrays[k])[i] = (float)(k < 2 ? 3 * u - 1.5 : k == 2 ? 2 * u - 1 : 0.2 + u);
+        }
+    }
+    for (int k = 0; k < 3; k++) {
+        float *from = *arrays[k];
+        b->store.box_min[k] = mns_memory_get(&b->memory, 32, sizeof(float));
+        b->store.box_max[k] = mns_memory_get(&b->memory, 32, sizeof(float));
+        for (size_t chunk = 0; chunk < CHUNKS; chunk++) {
+            b->store.box_min[k][chunk] = b->store.box_max[k][chunk] = from[chunk * CHUNK_SIZE];
+            for (size_t i = chunk * CHUNK_SIZE; i < (chunk + 1) * CHUNK_SIZE; i++) {
+                b->store.box_min[k][chunk] = fminf(b->store.box_min[k][chunk], from[i]);
+                b->store.box_max[k][chunk] = fmaxf(b->store.box_max[k][chunk], from[i]);
+            }
+        }
+    }
+    b->store.box_radius = mns_memory_get(&b->memory, 32, sizeof(float));
+    for (size_t chunk = 0; chunk < CHUNKS; chunk++) {
+        b->store.box_radius[chunk] = 1.2f;
+    }
+    float f = kind == ORTHOGRAPHIC ? 70 : 260, c = 0.8f, s = 0.6f;
+    b->view = (struct splat_view){.particles = &b->store,
+                                  .orthographic = kind == ORTHOGRAPHIC,
+                                  .rotation = {c, 0, s, 0, 1, 0, -s, 0, c},
+                                  .translation = {0.1f, -0.2f, 4},
+                                  .fx = f,
+                                  .fy = 1.1f * f,
+                                  .cx = kind == OFF_CENTER ? -300.0f : 90.0f,
+                                  .cy = 70,
+                                  .width = 211,
+                                  .height = 150,
+                                  .near_plane = 0.1f,
+                                  .far_plane = 100,
+                                  .radius = pixels * (kind == ORTHOGRAPHIC ? 1 : 4) / f,
+                                  .weight = 0.7f,
+                                  .has_color = true,
+                                  .scale = scale,
+                                  .slack = 1e-5f};
+    if (kind == OFF_CENTER) {
+        b->view.translation[0] = 5;
+    }
+    if (kind == OWN_RADII) {
+        b->view.radius_scale = b->view.radius;
+        b->view.per_mass = b->view.per_cube = true;
+        b->view.weight *= b->view.radius * b->view.radius * b->view.radius;
+    }
+    b->tiles.view = b->view;
+    assert_true(mns_tiles_reserve_scratch(&b->tiles, &b->memory, 2));
+    for (int i = 0; i < 2; i++) {
+        b->tile[i] = &b->tiles.scratch[i].tile;
+        b->tile[i]->pixels = (struct splat_grid){b->view.fx, b->view.fy, b->view.cx, b->view.cy, 128, 121};
+        b->tile[i]->texels = (struct splat_grid){
+            b->view.fx / (float)scale, b->view.fy / (float)scale, b->view.cx / (float)scale, b->view.cy / (float)scale, 128 / scale,
+            (121 + scale - 1) / scale};
+        b->tile[i]->shift_x = b->tile[i]->shift_y = 6;
+        for (int y = 0; y < TILE_SIZE; y++) {
+            for (int x = 0; x < TILE_STRIDE; x++) {
+                b->tile[i]->nearest[y * TILE_STRIDE + x] = y < 121 && x < 128 ? DEPTH_EMPTY : 0;
+                for (int k = 0; k < SUM_COUNT; k++) {
+                    b->tile[i]->sums[k][y * TILE_STRIDE + x] = 0;
+                }
+            }
+        }
+        for (int k = 0; k < SUM_COUNT; k++) {
+            memset(b->tile[i]->cells[k], 0, (TILE_SIZE / 2 + 1) * CELL_STRIDE * sizeof(float));
+        }
+        for (int block = 0; block < TILE_BLOCKS; block++) {
+            b->tile[i]->farthest[block] = DEPTH_EMPTY;
+            b->tile[i]->per_nearest[block] = 1;
+        }
+    }
+}
+
+static void close_bench(struct bench *b)
+{
+    mns_tiles_free(&b->tiles, &b->memory);
+    float *arrays[] = {b->store.x,    b->store.y,        b->store.z,        b->store.radius,
+                       b->store.mass, b->store.color[0], b->store.color[1], b->store.color[2]};
+    for (int k = 0; k < 8; k++) {
+        mns_memory_put(&b->memory, arrays[k], CHUNKS * CHUNK_SIZE, sizeof(float));
+    }
+    for (int k = 0; k < 3; k++) {
+        mns_memory_put(&b->memory, b->store.box_min[k], 32, sizeof(float));
+        mns_memory_put(&b->memory, b->store.box_max[k], 32, sizeof(float));
+    }
+    mns_memory_put(&b->memory, b->store.box_radius, 32, sizeof(float));
+    assert_int_equal(b->memory.bytes, 0);
+}
+
+/* Largest s^2 / R^2 of the set's spheres that are in doubt at a pixel: met at their rim. */
+static bool in_doubt(const struct bench *b, int x, int y)
+{
+    for (size_t i = 0; i < COUNT; i++) {
+        struct sprite s = sprite_project(&b->view, &b->tile[0]->pixels, i);
+        struct sprite_poly poly = sprite_poly_of(&b->view, &b->tile[0]->pixels, &s);
+        float along, s2 = sprite_evaluate(&poly, (float)x + 0.5f - s.x, (float)y + 0.5f - s.y, &along);
+        if (fabsf(s2) < 0.02f * poly.k0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static void check_bounds(struct bench *b, const struct splat_kernels *a, const struct splat_kernels *v)
+{
+    for (size_t first = 0; first < CHUNKS; first += BOUNDS_BATCH) {
+        struct splat_bounds plain, vector;
+        a->bounds(&b->view, first, &plain);
+        v->bounds(&b->view, first, &vector);
+        for (size_t i = 0; i < BOUNDS_BATCH && first + i < CHUNKS; i++) {
+            const float pairs[][2] = {{plain.x_min[i], vector.x_min[i]},           {plain.x_max[i], vector.x_max[i]},
+                                      {plain.y_min[i], vector.y_min[i]},           {plain.y_max[i], vector.y_max[i]},
+                                      {plain.near_depth[i], vector.near_depth[i]}, {plain.far_depth[i], vector.far_depth[i]},
+                                      {plain.sprite[i], vector.sprite[i]}};
+            for (int k = 0; k < 7; k++) {
+                assert_true(fabsf(pairs[k][0] - pairs[k][1]) <= 1e-3f + 1e-5f * fabsf(pairs[k][0]));
+            }
+        }
+    }
+}
+
+static void check_depth(struct bench *b, const struct splat_kernels *a, const struct splat_kernels *v)
+{
+    size_t drawn[2] = {0, 0};
+    for (size_t chunk = 0; chunk < CHUNKS; chunk++) {
+        drawn[0] += a->depth(&b->view, b->tile[0], chunk, DEPTH_EMPTY);
+        drawn[1] += v->depth(&b->view, b->tile[1], chunk, DEPTH_EMPTY);
+    }
+    assert_true(drawn[0] > 0 && labs((long)drawn[0] - (long)drawn[1]) <= 3); /* centres on the tile's edge */
+    float least_radius = b->view.radius_scale > 0 ? 0.2f * b->view.radius : b->view.radius;
+    for (int y = 0; y < TILE_SIZE; y++) {
+        for (int x = 0; x < TILE_SIZE; x++) {
+            float plain = b->tile[0]->nearest[y * TILE_STRIDE + x], vector = b->tile[1]->nearest[y * TILE_STRIDE + x];
+            bool alike = fabsf(plain - vector) <= 3e-4f * least_radius + 1e-6f * fabsf(plain);
+            assert_true(alike || in_doubt(b, x, y));
+        }
+    }
+    struct depth_plane planes[2];
+    memset(planes, 0, sizeof(planes));
+    size_t covered[2];
+    for (int i = 0; i < 2; i++) {
+        assert_true(mns_depth_plane_resize(&planes[i], &b->memory, b->view.width, b->view.height));
+        memset(planes[i].ranges, 0, planes[i].capacity * sizeof(*planes[i].ranges));
+        memcpy(b->tile[i]->nearest, b->tile[0]->nearest, TILE_SIZE * TILE_STRIDE * sizeof(float));
+    }
+    covered[0] = a->resolve_depth(&b->view, b->tile[0], &planes[0]);
+    covered[1] = v->resolve_depth(&b->view, b->tile[1], &planes[1]);
+    assert_int_equal(covered[0], covered[1]);
+    for (size_t i = 0; i < planes[0].plane.floats; i++) {
+        assert_true(fabsf(planes[0].plane.block[i] - planes[1].plane.block[i]) <= 1e-6f * planes[0].plane.block[i]);
+    }
+    for (int i = 0; i < planes[0].blocks_x * planes[0].blocks_y; i++) {
+        assert_true(fabsf(planes[0].ranges[i].min - planes[1].ranges[i].min) <= 1e-6f * planes[0].ranges[i].min);
+        assert_true(fabsf(planes[0].ranges[i].max - planes[1].ranges[i].max) <= 1e-6f * planes[0].ranges[i].max);
+    }
+    mns_depth_plane_free(&planes[0], &b->memory);
+    mns_depth_plane_free(&planes[1], &b->memory);
+}
+
+static void check_thickness(struct bench *b, const struct splat_kernels *a, const struct splat_kernels *v)
+{
+    for (size_t chunk = 0; chunk < CHUNKS; chunk++) {
+        a->thickness(&b->view, b->tile[0], chunk);
+        v->thickness(&b->view, b->tile[1], chunk);
+    }
+    assert_int_equal(b->tile[0]->deposited, b->tile[1]->deposited);
+    for (int k = 0; k < SUM_COUNT; k++) {
+        struct plane planes[2];
+        memset(planes, 0, sizeof(planes));
+        double total = 0, most = 0, off = 0;
+        for (int i = 0; i < 2; i++) {
+            assert_true(mns_plane_resize(&planes[i], &b->memory, 128 / b->view.scale, 128 / b->view.scale, PLANE_BORDER));
+        }
+        a->resolve_sum(&b->view, b->tile[0], k, &planes[0]);
+        v->resolve_sum(&b->view, b->tile[1], k, &planes[1]);
+        for (size_t i = 0; i < planes[0].floats; i++) {
+            double plain = (double)planes[0].block[i], vector = (double)planes[1].block[i];
+            total += plain;
+            most = fmax(most, plain);
+            off += fabs(plain - vector);
+            /* A texel may gain or lose the rim of a few chords, s < 0.01 R each. */
+            assert_true(fabs(plain - vector) <= 2e-3 * plain + 0.05 * (double)b->view.radius * 2.5);
+        }
+        assert_true(most > 0 && off <= 5e-4 * total);
+        mns_plane_free(&planes[0], &b->memory);
+        mns_plane_free(&planes[1], &b->memory);
+    }
+}
+
+/* Spheres of half a pixel to 30, so that deposits, smooth forms and chords all come up, alone and mixed. */
+static void kernels_agree(void **state)
+{
+    (void)state;
+    const struct splat_kernels *plain = mns_kernels_get(MNS_ISA_SCALAR)->splat;
+    const float pixels[] = {0.5f, 3, 5, 9, 30};
+    enum mns_isa isas[6];
+    for (int i = test_isas(isas) - 1; i > 0; i--) {
+        const struct splat_kernels *vector = mns_kernels_get(isas[i])->splat;
+        for (int kind = 0; kind < KINDS; kind++) {
+            for (int k = 0; k < 5; k++) {
+                for (int scale = 1; scale <= 4; scale *= 2) {
+                    struct bench b;
+                    open_bench(&b, (enum kind)kind, scale, pixels[k]);
+                    check_bounds(&b, plain, vector);
+                    check_depth(&b, plain, vector);
+                    check_thickness(&b, plain, vector);
+                    close_bench(&b);
+                }
+            }
+        }
+    }
+}
+
+/* Chunks around and beside the eye: the same are culled, the rest get the whole picture. */
+static void bounds_close_to_the_eye(void **state)
+{
+    (void)state;
+    const struct splat_kernels *plain = mns_kernels_get(MNS_ISA_SCALAR)->splat;
+    enum mns_isa isas[6];
+    for (int i = test_isas(isas) - 1; i > 0; i--) {
+        for (int step = -8; step <= 8; step++) {
+            struct bench b;
+            open_bench(&b, PERSPECTIVE, 4, 3);
+            b.view.translation[0] = (float)step;
+            b.view.translation[2] = step & 1 ? 0.2f : 1.5f;
+            check_bounds(&b, plain, mns_kernels_get(isas[i])->splat);
+            close_bench(&b);
+        }
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(kernels_agree),
+        cmocka_unit_test(bounds_close_to_the_eye),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
