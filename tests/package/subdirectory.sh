@@ -8,8 +8,9 @@ here=$(dirname "$0")
 
 shared=OFF
 [ "$kind" = static ] || shared=ON
+# shellcheck disable=SC2086 # one word per feature
 "$CMAKE" -S "$here/subdirectory" -B "$build" -G "$GENERATOR" -DCMAKE_C_COMPILER="$CC" -DCMAKE_C_FLAGS="-O1 $FLAGS" \
-    -DMENISCUS_SOURCE_DIR="$SOURCE" -DBUILD_SHARED_LIBS=$shared -DMNS_SIMD=OFF -DMNS_INSTALL=ON
+    -DMENISCUS_SOURCE_DIR="$SOURCE" -DBUILD_SHARED_LIBS=$shared -DMNS_SIMD=OFF -DMNS_INSTALL=ON $FEATURES
 "$CMAKE" --build "$build"
 "$build/draw" "$build/draw.ppm"
 "$build/formats"
