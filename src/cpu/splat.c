@@ -40,12 +40,45 @@ static float least_square(int first, int count, float center, float focal)
     return off / focal * (off / focal);
 }
 
+/* Asks for the cache line at an address. */
+static inline void prefetch(const void *address)
+{
+#ifdef __GNUC__
+    __builtin_prefetch(address);
+#else
+    (void)address;
+#endif
+}
+
+/* Asks for a chunk's positions. */
+static void prefetch_chunk(const struct particle_store *particles, size_t chunk)
+{
+    enum { LINE_FLOATS = 16 };
+    for (size_t i = chunk * CHUNK_SIZE; i < (chunk + 1) * CHUNK_SIZE; i += LINE_FLOATS) {
+        prefetch(particles->x + i);
+        prefetch(particles->y + i);
+        prefetch(particles->z + i);
+    }
+}
+
+/* The tile's chunks side by side, with their ids. Chunks far apart in memory are asked for ahead of time. */
+static void gather_list(const struct tiles *tiles, const uint32_t *entries, size_t count, struct tile_entry *list)
+{
+    enum { AHEAD = 16 };
+    for (size_t i = 0; i < count; i++) {
+        if (i + AHEAD < count) {
+            prefetch(&tiles->chunks[entries[i + AHEAD]]);
+        }
+        list[i] = (struct tile_entry){.chunk = tiles->chunks[entries[i]], .id = entries[i]};
+    }
+}
+
 /* Blocks that hold the largest sprite of the tile, so that it touches at most two each way. */
-static void choose_blocks(const struct tiles *tiles, struct splat_tile *tile, const uint32_t *entries, size_t count)
+static void choose_blocks(struct splat_tile *tile, const struct tile_entry *list, size_t count)
 {
     float largest = 0;
     for (size_t i = 0; i < count; i++) {
-        float sprite = tiles->chunks[entries[i]].sprite;
+        float sprite = list[i].chunk.sprite;
         largest = sprite > largest && sprite < DEPTH_LIMIT ? sprite : largest;
     }
     tile->shift_x = BLOCK_SHIFT_X;
@@ -103,67 +136,99 @@ static bool is_cut(const struct splat_view *view, const struct tile_chunk *chunk
     return chunk->sprite > DEPTH_LIMIT || chunk->near_depth < view->near_plane || chunk->far_depth > view->far_plane;
 }
 
-/* Asks for a chunk's positions ahead of time: chunks of a tile lie apart in memory. */
-static void prefetch_chunk(const struct particle_store *particles, size_t chunk)
+/* Ranges of the scene's depth in the tile's smallest blocks. */
+static void measure_scene(struct tile_scratch *scratch, const struct plane *scene)
 {
-#ifdef __GNUC__
-    enum { LINE_FLOATS = 16 };
-    for (size_t i = 0; i < CHUNK_SIZE; i += LINE_FLOATS) {
-        __builtin_prefetch(particles->x + chunk * CHUNK_SIZE + i);
-        __builtin_prefetch(particles->y + chunk * CHUNK_SIZE + i);
-        __builtin_prefetch(particles->z + chunk * CHUNK_SIZE + i);
+    const struct splat_tile *tile = &scratch->tile;
+    for (int i = 0; i < TILE_BLOCKS; i++) {
+        scratch->scene[i] = (struct depth_range){.min = DEPTH_EMPTY, .max = 0};
     }
-#else
-    (void)particles;
-    (void)chunk;
-#endif
-}
-
-static void draw_thickness(struct backend *cpu, struct splat_tile *tile, const uint32_t *entries, size_t count)
-{
-    const struct tiles *tiles = cpu->tiles;
-    const struct plane *scene = cpu->scene.has_depth && cpu->scene.cuts_fluid ? &cpu->scene.depth : NULL;
-    float end = DEPTH_EMPTY; /* nearest of the scene in the tile */
-    for (int y = 0; scene && y < tile->pixels.rows; y++) {
+    for (int y = 0; y < tile->pixels.rows; y++) {
         const float *row = scene->data + (tile->y + y) * scene->stride + tile->x;
+        struct depth_range *ranges = scratch->scene + (y >> BLOCK_SHIFT_Y) * (TILE_SIZE >> BLOCK_SHIFT_X);
         for (int x = 0; x < tile->pixels.columns; x++) {
-            end = row[x] < end ? row[x] : end;
+            struct depth_range *range = &ranges[x >> BLOCK_SHIFT_X];
+            range->min = row[x] < range->min ? row[x] : range->min;
+            range->max = row[x] > range->max ? row[x] : range->max;
         }
     }
-    clear_thickness(&tiles->view, tile);
+}
+
+/* Blocks of 1 << shift pixels that a chunk may touch in the tile, inclusive. */
+struct block_rect {
+    int x0, x1, y0, y1;
+};
+
+static struct block_rect blocks_of(const struct splat_tile *tile, const struct tile_chunk *chunk, int shift_x, int shift_y)
+{
+    int x0 = chunk->x_min - tile->x, x1 = chunk->x_max - tile->x, y0 = chunk->y_min - tile->y, y1 = chunk->y_max - tile->y;
+    return (struct block_rect){.x0 = x0 > 0 ? x0 >> shift_x : 0,
+                               .x1 = least(x1, TILE_SIZE - 1) >> shift_x,
+                               .y0 = y0 > 0 ? y0 >> shift_y : 0,
+                               .y1 = least(y1, TILE_SIZE - 1) >> shift_y};
+}
+
+static struct cut_scene scene_behind(const struct tile_scratch *scratch, const struct tile_chunk *chunk, const struct plane *depth)
+{
+    struct block_rect rect = blocks_of(&scratch->tile, chunk, BLOCK_SHIFT_X, BLOCK_SHIFT_Y);
+    struct cut_scene scene = {.depth = depth, .nearest = DEPTH_EMPTY};
+    for (int y = rect.y0; y <= rect.y1; y++) {
+        for (int x = rect.x0; x <= rect.x1; x++) {
+            const struct depth_range *range = &scratch->scene[y * (TILE_SIZE >> BLOCK_SHIFT_X) + x];
+            scene.nearest = fminf(scene.nearest, range->min);
+            scene.farthest = fmaxf(scene.farthest, range->max);
+        }
+    }
+    return scene;
+}
+
+static void draw_thickness(struct backend *cpu, struct tile_scratch *scratch, size_t count)
+{
+    const struct splat_view *view = &cpu->tiles->view;
+    const struct plane *depth = cpu->scene.has_depth && cpu->scene.cuts_fluid ? &cpu->scene.depth : NULL;
+    struct splat_tile *tile = &scratch->tile;
+    const struct tile_entry *list = scratch->list;
+    clear_thickness(view, tile);
+    if (depth) {
+        measure_scene(scratch, depth);
+    }
     for (size_t i = 0; i < count; i++) {
         if (i + PREFETCH < count) {
-            prefetch_chunk(tiles->view.particles, entries[i + PREFETCH]);
+            prefetch_chunk(view->particles, list[i + PREFETCH].id);
         }
-        const struct tile_chunk *chunk = &tiles->chunks[entries[i]];
-        if (chunk->far_depth > end || is_cut(&tiles->view, chunk)) {
-            mns_cut_thickness(&tiles->view, tile, entries[i], chunk->far_depth > end ? scene : NULL);
+        const struct tile_chunk *chunk = &list[i].chunk;
+        struct cut_scene scene = {.nearest = DEPTH_EMPTY};
+        if (depth) {
+            scene = scene_behind(scratch, chunk, depth);
+        }
+        if (chunk->far_depth > scene.nearest) {
+            mns_cut_thickness(view, tile, list[i].id, &scene);
+        } else if (is_cut(view, chunk)) {
+            mns_cut_thickness(view, tile, list[i].id, NULL);
         } else {
-            cpu->kernels->splat->thickness(&tiles->view, tile, entries[i]);
+            cpu->kernels->splat->thickness(view, tile, list[i].id);
         }
     }
 }
 
-/* Front to back, by the bucket of the near depth; within a bucket in the order of the store. Returns a bucket's depth. */
-static float sort_chunks(const struct tiles *tiles, const uint32_t *entries, size_t count, struct tile_order *out)
+/* Front to back, by the bucket of the near depth; within a bucket in the order of the list. Returns a bucket's depth. */
+static float sort_list(const struct tile_entry *list, size_t count, uint32_t *order)
 {
     float low = DEPTH_EMPTY, high = -DEPTH_EMPTY;
     for (size_t i = 0; i < count; i++) {
-        float near_depth = tiles->chunks[entries[i]].near_depth;
-        low = fminf(low, near_depth);
-        high = fmaxf(high, near_depth);
+        low = fminf(low, list[i].chunk.near_depth);
+        high = fmaxf(high, list[i].chunk.near_depth);
     }
-    size_t places[DEPTH_BUCKETS + 1] = {0};
+    uint32_t places[DEPTH_BUCKETS + 1] = {0};
     float scale = high > low ? (float)(DEPTH_BUCKETS - 1) / (high - low) : 0;
     for (size_t i = 0; i < count; i++) {
-        places[(int)((tiles->chunks[entries[i]].near_depth - low) * scale) + 1]++;
+        places[(int)((list[i].chunk.near_depth - low) * scale) + 1]++;
     }
     for (int i = 0; i < DEPTH_BUCKETS; i++) {
         places[i + 1] += places[i];
     }
     for (size_t i = 0; i < count; i++) {
-        float near_depth = tiles->chunks[entries[i]].near_depth;
-        out[places[(int)((near_depth - low) * scale)]++] = (struct tile_order){.near_depth = near_depth, .chunk = entries[i]};
+        order[places[(int)((list[i].chunk.near_depth - low) * scale)]++] = (uint32_t)i;
     }
     return 1.01f * (high - low) / (float)(DEPTH_BUCKETS - 1);
 }
@@ -171,15 +236,11 @@ static float sort_chunks(const struct tiles *tiles, const uint32_t *entries, siz
 /* Nothing of the chunk at this depth or beyond can show in the tile. */
 static float hidden_from(const struct splat_tile *tile, const struct tile_chunk *chunk)
 {
+    struct block_rect rect = blocks_of(tile, chunk, tile->shift_x, tile->shift_y);
     int columns = TILE_SIZE >> tile->shift_x;
-    int x0 = chunk->x_min - tile->x, x1 = chunk->x_max - tile->x, y0 = chunk->y_min - tile->y, y1 = chunk->y_max - tile->y;
-    x0 = x0 > 0 ? x0 >> tile->shift_x : 0;
-    y0 = y0 > 0 ? y0 >> tile->shift_y : 0;
-    x1 = least(x1, TILE_SIZE - 1) >> tile->shift_x;
-    y1 = least(y1, TILE_SIZE - 1) >> tile->shift_y;
     float farthest = 0;
-    for (int y = y0; y <= y1; y++) {
-        for (int x = x0; x <= x1; x++) {
+    for (int y = rect.y0; y <= rect.y1; y++) {
+        for (int x = rect.x0; x <= rect.x1; x++) {
             float here = tile->farthest[y * columns + x];
             farthest = here > farthest ? here : farthest;
         }
@@ -196,26 +257,28 @@ static float tile_farthest(const struct splat_tile *tile)
     return farthest;
 }
 
-static void draw_depth(struct backend *cpu, struct tile_scratch *scratch, const uint32_t *entries, size_t count)
+static void draw_depth(struct backend *cpu, struct tile_scratch *scratch, size_t count)
 {
     enum { END_TEST = 8 }; /* chunks drawn between looks at the whole tile */
-    const struct tiles *tiles = cpu->tiles;
-    const struct splat_view *view = &tiles->view;
+    const struct splat_view *view = &cpu->tiles->view;
     struct splat_tile *tile = &scratch->tile;
-    choose_blocks(tiles, tile, entries, count);
+    choose_blocks(tile, scratch->list, count);
     clear_depth(view, tile);
-    float bucket = sort_chunks(tiles, entries, count, scratch->order), end = DEPTH_EMPTY;
-    for (size_t i = 0, drawn = 0; i < count && scratch->order[i].near_depth - bucket < end; i++) {
-        uint32_t id = scratch->order[i].chunk;
-        const struct tile_chunk *chunk = &tiles->chunks[id];
+    float bucket = sort_list(scratch->list, count, scratch->order), end = DEPTH_EMPTY;
+    for (size_t i = 0, drawn = 0; i < count; i++) {
+        const struct tile_entry *entry = &scratch->list[scratch->order[i]];
+        const struct tile_chunk *chunk = &entry->chunk;
+        if (chunk->near_depth - bucket >= end) {
+            break; /* and all that follow are no nearer than this less a bucket */
+        }
         float limit = hidden_from(tile, chunk);
         if (fmaxf(chunk->near_depth, view->near_plane - view->slack) >= limit) {
             continue;
         }
         if (is_cut(view, chunk)) {
-            scratch->particles_splatted += mns_cut_depth(view, tile, id);
+            scratch->particles_splatted += mns_cut_depth(view, tile, entry->id, limit);
         } else {
-            scratch->particles_splatted += cpu->kernels->splat->depth(view, tile, id, limit);
+            scratch->particles_splatted += cpu->kernels->splat->depth(view, tile, entry->id, limit);
         }
         if (++drawn % END_TEST == 0) {
             end = tile_farthest(tile);
@@ -261,12 +324,13 @@ static void draw_tile(struct backend *cpu, struct tile_scratch *scratch, size_t 
         write_empty(cpu, tile);
         return;
     }
-    draw_thickness(cpu, tile, entries, count);
+    gather_list(tiles, entries, count, scratch->list);
+    draw_thickness(cpu, scratch, count);
     kernels->resolve_sum(&tiles->view, tile, 0, &cpu->raw.thickness);
     for (int c = 0; c < 3 && cpu->raw.has_color; c++) {
         kernels->resolve_sum(&tiles->view, tile, 1 + c, &cpu->raw.color[c]);
     }
-    draw_depth(cpu, scratch, entries, count);
+    draw_depth(cpu, scratch, count);
     scratch->pixels_covered += kernels->resolve_depth(&tiles->view, tile, &cpu->depth_raw);
 }
 

@@ -14,7 +14,8 @@ struct ray {
 
 static struct ray ray_at(const struct splat_view *view, const struct splat_grid *grid, int x, int y)
 {
-    struct ray ray = {.u = (x + 0.5 - (double)grid->cx) / (double)grid->fx, .w = (y + 0.5 - (double)grid->cy) / (double)grid->fy};
+    struct ray ray = {.u = (x + 0.5 - (double)grid->cx) * (double)(1 / grid->fx),
+                      .w = (y + 0.5 - (double)grid->cy) * (double)(1 / grid->fy)};
     ray.length2 = view->orthographic ? 1 : ray.u * ray.u + ray.w * ray.w + 1;
     return ray;
 }
@@ -41,6 +42,13 @@ static bool meet(const struct splat_view *view, const struct ray *ray, const str
     return true;
 }
 
+/* Whether it is wholly beyond one side of the pyramid through the grid. focal, center, count: of one axis. */
+static bool is_beside(const struct ball *ball, int axis, float focal, float center, int count)
+{
+    double f = (double)focal, low = (double)center, high = count - low, x = f * ball->q[axis], z = ball->q[2];
+    return x + low * z < -ball->radius * sqrt(f * f + low * low) || high * z - x < -ball->radius * sqrt(f * f + high * high);
+}
+
 /* false: nothing of it in the grid and between the planes. */
 static bool ball_of(const struct splat_view *view, const struct splat_grid *grid, size_t particle, struct ball *out)
 {
@@ -49,6 +57,10 @@ static bool ball_of(const struct splat_view *view, const struct splat_grid *grid
     *out = (struct ball){
         .q = {(double)q[0], (double)q[1], (double)q[2]}, .radius = (double)radius, .x1 = grid->columns - 1, .y1 = grid->rows - 1};
     if (q[2] + radius <= view->near_plane || q[2] - radius >= view->far_plane) {
+        return false;
+    }
+    if (!view->orthographic &&
+        (is_beside(out, 0, grid->fx, grid->cx, grid->columns) || is_beside(out, 1, grid->fy, grid->cy, grid->rows))) {
         return false;
     }
     if (!view->orthographic && q[2] < CLOSE_RADII * radius) {
@@ -68,34 +80,58 @@ static bool is_home(const struct splat_view *view, const struct splat_tile *tile
                           (float)(ball->q[1] * per_metre * (double)tile->pixels.fy + (double)tile->pixels.cy));
 }
 
-size_t mns_cut_depth(const struct splat_view *view, struct splat_tile *tile, size_t chunk)
+static void update_farthest(struct splat_tile *tile)
+{
+    int columns = TILE_SIZE >> tile->shift_x, rows = TILE_SIZE >> tile->shift_y;
+    for (int block = 0; block < columns * rows; block++) {
+        const float *corner = tile->nearest + (block / columns << tile->shift_y) * TILE_STRIDE + (block % columns << tile->shift_x);
+        float most = 0;
+        for (int y = 0; y < 1 << tile->shift_y; y++) {
+            for (int x = 0; x < 1 << tile->shift_x; x++) {
+                most = corner[y * TILE_STRIDE + x] > most ? corner[y * TILE_STRIDE + x] : most;
+            }
+        }
+        tile->farthest[block] = most > DEPTH_LIMIT ? DEPTH_EMPTY : most * tile->per_nearest[block];
+    }
+}
+
+static void draw_ball(const struct splat_view *view, struct splat_tile *tile, const struct ball *ball)
+{
+    double near_plane = (double)view->near_plane, far_plane = (double)view->far_plane;
+    for (int y = ball->y0; y <= ball->y1; y++) {
+        for (int x = ball->x0; x <= ball->x1; x++) {
+            float *nearest = &tile->nearest[y * TILE_STRIDE + x];
+            struct ray ray = ray_at(view, &tile->pixels, x, y);
+            double enter, leave;
+            if (*nearest <= (float)(near_plane * ray.length2) || !meet(view, &ray, ball, &enter, &leave)) {
+                continue;
+            }
+            if (leave > near_plane && enter < far_plane) {
+                *nearest = fminf(*nearest, (float)(fmax(enter, near_plane) * ray.length2));
+            }
+        }
+    }
+}
+
+size_t mns_cut_depth(const struct splat_view *view, struct splat_tile *tile, size_t chunk, float limit)
 {
     size_t drawn = 0;
     for (size_t i = chunk * CHUNK_SIZE; i < sprite_chunk_end(view, chunk); i++) {
         struct ball ball;
-        if (!ball_of(view, &tile->pixels, i, &ball)) {
+        if (!ball_of(view, &tile->pixels, i, &ball) || (float)(ball.q[2] - ball.radius) - view->slack >= limit) {
             continue;
         }
-        for (int y = ball.y0; y <= ball.y1; y++) {
-            for (int x = ball.x0; x <= ball.x1; x++) {
-                struct ray ray = ray_at(view, &tile->pixels, x, y);
-                double enter, leave;
-                if (!meet(view, &ray, &ball, &enter, &leave) || leave <= (double)view->near_plane || enter >= (double)view->far_plane) {
-                    continue;
-                }
-                float *nearest = &tile->nearest[y * TILE_STRIDE + x];
-                *nearest = fminf(*nearest, (float)(fmax(enter, (double)view->near_plane) * ray.length2));
-            }
-        }
+        draw_ball(view, tile, &ball);
         drawn += is_home(view, tile, &ball);
     }
+    update_farthest(tile);
     return drawn;
 }
 
 /* Where thickness ends in pixel (x, y) of the picture. */
 static double end_at(const struct splat_view *view, const struct plane *scene, int x, int y)
 {
-    return scene ? fmin((double)view->far_plane, (double)scene->data[y * scene->stride + x]) : (double)view->far_plane;
+    return fmin((double)view->far_plane, (double)scene->data[y * scene->stride + x]);
 }
 
 /* Part of a ball of this radius that lies before depth: a cap's share of the volume. */
@@ -110,6 +146,9 @@ static double mean_visible(const struct splat_view *view, const struct splat_til
                            double enter, double leave)
 {
     double sum = 0, from = fmax(enter, (double)view->near_plane);
+    if (!scene) {
+        return fmax(fmin(leave, (double)view->far_plane) - from, 0);
+    }
     int pixels = 0, x0 = tile->x + x * view->scale, y0 = tile->y + y * view->scale;
     for (int py = y0; py < y0 + view->scale && py < view->height; py++) {
         for (int px = x0; px < x0 + view->scale && px < view->width; px++) {
@@ -125,6 +164,9 @@ static double mean_part(const struct splat_view *view, const struct splat_tile *
                         const struct ball *ball)
 {
     double sum = 0, before = part_before(ball, (double)view->near_plane);
+    if (!scene) {
+        return fmax(part_before(ball, (double)view->far_plane) - before, 0);
+    }
     int pixels = 0, x0 = tile->x + x * view->scale, y0 = tile->y + y * view->scale;
     for (int py = y0; py < y0 + view->scale && py < view->height; py++) {
         for (int px = x0; px < x0 + view->scale && px < view->width; px++) {
@@ -202,24 +244,28 @@ static void add_deposit(const struct splat_view *view, struct splat_tile *tile, 
     }
 }
 
-void mns_cut_thickness(const struct splat_view *view, struct splat_tile *tile, size_t chunk, const struct plane *scene)
+void mns_cut_thickness(const struct splat_view *view, struct splat_tile *tile, size_t chunk, const struct cut_scene *scene)
 {
     for (size_t i = chunk * CHUNK_SIZE; i < sprite_chunk_end(view, chunk); i++) {
         float q[3], radius = sprite_radius(view, i);
         sprite_center(view, i, q);
+        if (scene && q[2] - radius >= scene->farthest) {
+            continue;
+        }
+        const struct plane *depth = scene && q[2] + radius > scene->nearest ? scene->depth : NULL;
         if (!view->orthographic && q[2] < CLOSE_RADII * radius) {
-            add_chords(view, tile, i, scene);
+            add_chords(view, tile, i, depth);
             continue;
         }
         struct sprite s = sprite_project(view, &tile->texels, i);
         float size = sprite_size(view, &tile->texels, &s);
         enum sprite_form form = sprite_form_of(view, size);
         if (form == SPRITE_CHORD) {
-            add_chords(view, tile, i, scene);
+            add_chords(view, tile, i, depth);
         } else if (form == SPRITE_SMOOTH) {
-            add_smooth(view, tile, i, &s, sprite_falloff(size), scene);
+            add_smooth(view, tile, i, &s, sprite_falloff(size), depth);
         } else if (sprite_reaches(s.x, tile->texels.columns) && sprite_reaches(s.y, tile->texels.rows)) {
-            add_deposit(view, tile, i, &s, scene);
+            add_deposit(view, tile, i, &s, depth);
         }
     }
 }

@@ -13,6 +13,7 @@ static void free_scratch(struct tiles *tiles, struct memory *memory)
             mns_memory_put(memory, scratch->tile.sums[k], SUM_FLOATS, sizeof(float));
             mns_memory_put(memory, scratch->tile.cells[k], CELL_FLOATS, sizeof(float));
         }
+        mns_memory_put(memory, scratch->list, scratch->list_capacity, sizeof(*scratch->list));
         mns_memory_put(memory, scratch->order, scratch->order_capacity, sizeof(*scratch->order));
     }
     mns_memory_put(memory, tiles->scratch, (size_t)tiles->scratch_count, sizeof(*tiles->scratch));
@@ -49,9 +50,11 @@ bool mns_tiles_reserve_scratch(struct tiles *tiles, struct memory *memory, int t
     bool done = true;
     for (int i = 0; i < threads && done; i++) {
         struct tile_scratch *scratch = &tiles->scratch[i];
-        void *order = scratch->order;
+        void *list = scratch->list, *order = scratch->order;
         done = reserve_tile(&scratch->tile, memory, sums) &&
+               mns_memory_reserve(memory, &list, &scratch->list_capacity, tiles->largest, sizeof(*scratch->list)) &&
                mns_memory_reserve(memory, &order, &scratch->order_capacity, tiles->largest, sizeof(*scratch->order));
+        scratch->list = list;
         scratch->order = order;
     }
     return done;

@@ -13,14 +13,19 @@ struct tile_chunk {
     uint16_t x_min, x_max, y_min, y_max; /* pixels that it may touch, inclusive; x_min > x_max: none */
 };
 
+/* A chunk in the list of the tile in hand. */
+struct tile_entry {
+    struct tile_chunk chunk;
+    uint32_t id;
+};
+
 /* One thread's buffers. */
 struct tile_scratch {
     struct splat_tile tile;
-    struct tile_order {
-        float near_depth;
-        uint32_t chunk;
-    } * order; /* the tile's chunks front to back */
-    size_t order_capacity;
+    struct tile_entry *list; /* the tile's chunks in the order of the store */
+    uint32_t *order;         /* their places in the list, front to back */
+    size_t list_capacity, order_capacity;
+    struct depth_range scene[TILE_BLOCKS]; /* of the scene's depth in each 16 x 8 pixels, where it can cut fluid */
     size_t particles_splatted, pixels_covered;
 };
 
