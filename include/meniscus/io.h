@@ -61,7 +61,7 @@ MNS_API const char *mns_missing_feature(size_t index);
 typedef struct mns_particle_set mns_particle_set; /* opaque; read-only once made, so many threads may read it */
 
 /* Reads a file; a .pvtu, .pvtp or .pvd opens the files it names beside it. For a .pvd use mns_pvd_read to get at its time steps;
- * here its first one is read. params, message: may be NULL. On failure *out is NULL and message says file, place, fault and remedy. */
+ * here its first one is read, with all its parts. params, message: may be NULL. On failure *out is NULL and message says file, place, fault and remedy. */
 MNS_API mns_result mns_particle_set_read(mns_particle_set **out, const char *path, const struct mns_read_params *params,
                                          struct mns_message *message);
 
@@ -78,7 +78,7 @@ MNS_API size_t mns_particle_set_dropped(const mns_particle_set *set);           
 MNS_API size_t mns_particle_set_attribute_count(const mns_particle_set *set);
 MNS_API const struct mns_attribute *mns_particle_set_attribute(const mns_particle_set *set, size_t index); /* NULL: out of range */
 
-/* The time steps of a ParaView collection (.pvd). */
+/* The files of a ParaView collection (.pvd) in order of time; parts of one time follow each other as in the file. */
 struct mns_pvd_step {
     double time;
     const char *path; /* of the file, with the .pvd's folder in front where it is relative */

@@ -3,7 +3,18 @@
 
 /* In the order of probing; formats with a signature first, text without one last. */
 const struct mns_reader *const mns_readers[] = {
-    &mns_reader_bgeo, &mns_reader_npy, &mns_reader_npz, &mns_reader_ply, &mns_reader_vtk, &mns_reader_csv, NULL,
+    &mns_reader_bgeo, &mns_reader_npy, &mns_reader_npz, &mns_reader_ply, &mns_reader_vtk,
+#ifdef MNS_HAVE_EXPAT
+    &mns_reader_vtu, &mns_reader_vtp, &mns_reader_pvtu, &mns_reader_pvd,
+#endif
+    &mns_reader_csv, NULL,
+};
+
+const struct mns_reader *const mns_missing_readers[] = {
+#ifndef MNS_HAVE_EXPAT
+    &mns_reader_vtk_xml_missing,
+#endif
+    NULL,
 };
 
 static const char *const missing[] = {
@@ -15,6 +26,9 @@ static const char *const missing[] = {
 #endif
 #ifndef MNS_HAVE_LZMA
     "lzma (liblzma)",
+#endif
+#ifndef MNS_HAVE_EXPAT
+    "vtu, vtp, pvtu and pvd (expat)",
 #endif
 #ifndef MNS_HAVE_PNG
     "png (spng)",

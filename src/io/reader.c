@@ -241,6 +241,9 @@ static const struct mns_reader *find_reader(struct read_context *context, struct
         if (sure == 1 && extension && !named_perhaps)
             named_perhaps = reader;
     }
+    for (size_t i = 0; mns_missing_readers[i] && !wanted; i++)
+        if (mns_missing_readers[i]->probe(head) == 2)
+            return mns_missing_readers[i];
     if (named_perhaps || (perhaps && !named))
         return named_perhaps ? named_perhaps : perhaps;
     char formats[256];
@@ -296,12 +299,8 @@ done:
     return result;
 }
 
-mns_result mns_read_referenced(struct read_context *context, const char *reference)
+char *mns_read_beside(struct read_context *context, const char *reference)
 {
-    if (!context->may_open)
-        return mns_read_fail(context, MNS_ERR_UNSUPPORTED, "names another file (%s), which reading from memory does not open", reference);
-    if (context->depth >= NEST_MAX)
-        return mns_read_fail(context, MNS_ERR_BAD_DATA, "is nested more than %d files deep", (int)NEST_MAX);
     size_t folder = 0;
     if (reference[0] != '/')
         for (size_t i = 0; context->path && context->path[i]; i++)
@@ -310,10 +309,22 @@ mns_result mns_read_referenced(struct read_context *context, const char *referen
     size_t size = folder + strlen(reference) + 1;
     char *path = mns_read_alloc(context, size, 1);
     if (!path)
-        return MNS_ERR_OUT_OF_MEMORY;
-    memcpy(path, context->path, folder);
+        return NULL;
+    if (folder > 0)
+        memcpy(path, context->path, folder);
     memcpy(path + folder, reference, size - folder);
+    return path;
+}
 
+mns_result mns_read_referenced(struct read_context *context, const char *reference)
+{
+    if (!context->may_open)
+        return mns_read_fail(context, MNS_ERR_UNSUPPORTED, "names another file (%s), which reading from memory does not open", reference);
+    if (context->depth >= NEST_MAX)
+        return mns_read_fail(context, MNS_ERR_BAD_DATA, "is nested more than %d files deep", (int)NEST_MAX);
+    char *path = mns_read_beside(context, reference);
+    if (!path)
+        return MNS_ERR_OUT_OF_MEMORY;
     struct read_context inner = *context;
     inner.path = path;
     inner.depth = context->depth + 1;
@@ -322,7 +333,7 @@ mns_result mns_read_referenced(struct read_context *context, const char *referen
     mns_result result = mns_read_file(&inner, path, &file);
     if (result == MNS_OK)
         result = read_bytes(&inner, file);
-    mns_read_free(context, path, size, 1);
+    mns_read_free(context, path, strlen(path) + 1, 1);
     return result;
 }
 

@@ -35,6 +35,9 @@ struct mns_reader {
 };
 
 extern const struct mns_reader *const mns_readers[]; /* NULL-ended; the order of probing (formats.c) */
+/* NULL-ended: what stands in for formats that this build lacks, only to say so. */
+extern const struct mns_reader *const mns_missing_readers[];
+extern const struct mns_reader mns_reader_vtk_xml_missing;
 extern const struct mns_reader mns_reader_bgeo;
 extern const struct mns_reader mns_reader_vtk;  /* legacy */
 extern const struct mns_reader mns_reader_vtu;  /* XML UnstructuredGrid, .vtu */
@@ -77,6 +80,10 @@ void *mns_set_add(struct read_context *context, const char *name, enum mns_type 
 /* The same for an attribute that stands in the file's bytes as it is to be used: packed, in the machine's order. It is not copied where the
  * bytes may stay and are aligned. data: inside the bytes given to read, where count * components elements were checked to be. */
 bool mns_set_view(struct read_context *context, const char *name, enum mns_type type, int components, const uint8_t *data);
+
+/* The path of a file that is named in the file in hand: relative to its folder. Freed with mns_read_free(context, path, strlen(path) + 1, 1).
+ * NULL: failed, message set. */
+char *mns_read_beside(struct read_context *context, const char *reference);
 
 /* Reads another file into the same set (pieces of a .pvtu, steps of a .pvd). reference: as written in the file; relative to its folder. */
 mns_result mns_read_referenced(struct read_context *context, const char *reference);
