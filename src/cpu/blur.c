@@ -7,6 +7,7 @@
 #include "cpu/pixels.h"
 
 #include <math.h>
+#include <string.h>
 
 enum { ROWS_PER_JOB = 8 };
 
@@ -50,19 +51,37 @@ static void run_rows(struct blur_run *run, void (*row)(struct blur_run *run, int
     cpu_run(run->cpu, rows_job, &rows, run->cpu->host.threads);
 }
 
+/* The nearest of the rows of pixels under a row of texels, pixels x to x + count - 1. */
+static void nearest_rows(const struct plane *depth, int first, int rows, int x, int count, float *nearest)
+{
+    const float *from = depth->data + first * depth->stride + x;
+    memcpy(nearest, from, sizeof(float) * (size_t)count);
+    for (int row = 1; row < rows; row++) {
+        from += depth->stride;
+        for (int i = 0; i < count; i++) {
+            nearest[i] = from[i] < nearest[i] ? from[i] : nearest[i];
+        }
+    }
+}
+
+enum { PIECE = 256 };
+
 /* The nearest depth in each texel, and a border of nothing around the picture. */
 static void depth_row(struct blur_run *run, int y)
 {
     const struct plane *depth = &run->cpu->smoothed->plane;
     struct plane *half = &run->cpu->blur_half;
-    float *to = half->data + y * half->stride;
-    for (int x = 0; x < run->width; x++) {
-        to[x] = DEPTH_EMPTY;
-    }
-    for (int row = y * run->scale; row < (y + 1) * run->scale && row < depth->height; row++) {
-        const float *from = depth->data + row * depth->stride;
-        for (int x = 0; x < depth->width; x++) {
-            to[x / run->scale] = from[x] < to[x / run->scale] ? from[x] : to[x / run->scale];
+    int scale = run->scale, rest = depth->height - y * scale, rows = rest < scale ? rest : scale;
+    float *to = half->data + y * half->stride, nearest[PIECE];
+    for (int x = 0; x < depth->width; x += PIECE) {
+        int count = depth->width - x < PIECE ? depth->width - x : PIECE;
+        nearest_rows(depth, y * scale, rows, x, count, nearest);
+        for (int i = 0; i < count; i += scale) {
+            float z = nearest[i];
+            for (int k = 1; k < scale && i + k < count; k++) {
+                z = nearest[i + k] < z ? nearest[i + k] : z;
+            }
+            to[(x + i) / scale] = z;
         }
     }
     to[-1] = to[run->width] = DEPTH_EMPTY;
@@ -132,9 +151,9 @@ static void thickness_layer_row(struct blur_run *run, int y)
     int top;
     float weight = blur_rows_of(y, run->scale, &top);
     const float *rows = thickness->data + top * thickness->stride;
-    float *to = mns_pixels_row(image, y), piece[256];
-    for (int x = 0; x < image->width; x += 256) {
-        int count = image->width - x < 256 ? image->width - x : 256;
+    float *to = mns_pixels_row(image, y), piece[PIECE];
+    for (int x = 0; x < image->width; x += PIECE) {
+        int count = image->width - x < PIECE ? image->width - x : PIECE;
         run->cpu->kernels->blur->upsample(rows, rows + thickness->stride, weight, run->scale, x, count, piece);
         for (int i = 0; i < count; i++) {
             to[x + i] = piece[i];

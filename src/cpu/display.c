@@ -26,7 +26,7 @@ struct display_range mns_display_measure(const struct backend *cpu, const struct
     for (int y = 0; y < depth->height; y++) {
         for (int x = 0; x < depth->width; x++) {
             float z = depth->data[y * depth->stride + x];
-            bool shows = z > 0 && z < DEPTH_LIMIT && (!cpu->scene.has_depth || z < cpu->scene.depth.data[y * cpu->scene.depth.stride + x]);
+            bool shows = z > 0 && z < DEPTH_LIMIT && (!cpu->scene.cuts_fluid || z < cpu->scene.depth.data[y * cpu->scene.depth.stride + x]);
             if (shows) {
                 float value = depths ? z : thickness->data[y / scale * thickness->stride + x / scale];
                 range.low = fminf(range.low, value);

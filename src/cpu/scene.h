@@ -34,7 +34,7 @@ struct backdrop {
 
 /* The floor fades into the horizon's colour with the sine of the angle below the horizon, so no length sets the haze:
  * (s^2 / (s^2 + sine^2))^2, less FLOOR_HAZE_END so that most of the picture needs no sky. */
-#define FLOOR_HAZE_SINE 0.035f
+#define FLOOR_HAZE_SINE 0.05f
 #define FLOOR_HAZE_END 0.001f
 
 /* The checker is filtered by a tent of one pixel's footprint on each side, along each axis of the floor in turn: t (2 - |t|) of
@@ -43,8 +43,9 @@ struct backdrop {
 
 struct scene_kernels {
     /* Pixels x to x + count - 1 of row y: color [count][4], linear; depth [count], metres, DEPTH_EMPTY in the sky. Both may be written up
-     * to count rounded up to 16. count <= SCENE_SPAN. Against plain C: 2e-5 of the largest colour (fused products and reciprocals of
-     * 3e-7), 2e-6 of the depth; pixels at the horizon may fall on either side of it. */
+     * to count rounded up to 16. count <= SCENE_SPAN. Against plain C: 6e-4 in colour, since a rounding of
+     * the depth moves an edge of the checker; 4e-6 relative of the depth, times 1 + depth over the eye's height; pixels at the horizon may fall on
+     * either side of it. */
     void (*backdrop)(const struct backdrop *backdrop, int x, int y, int count, float *color, float *depth);
 };
 

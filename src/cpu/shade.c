@@ -20,7 +20,7 @@ struct shade_run {
     const struct plane *surface;    /* depth that is shaded: smoothed, or raw in display spheres */
     struct display_range range;
     float gain;
-    bool has_color, needs_color, needs_curvature, needs_optics;
+    bool has_color, needs_color, needs_curvature, needs_optics, needs_layers;
     int tiles_x, tiles_y;
     atomic_int next;
 };
@@ -49,7 +49,7 @@ static void resolve_optics(struct shade_optics *out, const struct backend *cpu, 
                                  .width = view->width,
                                  .height = view->height,
                                  .transparent = params->background == MNS_BACKGROUND_TRANSPARENT && !frame->scene};
-    if (cpu->scene.has_depth) {
+    if (cpu->scene.has_depth && cpu->scene.cuts_fluid) { /* a floor under all fluid hides none of it */
         out->scene_depth = cpu->scene.depth.data;
         out->scene_depth_stride = cpu->scene.depth.stride;
     }
@@ -184,7 +184,9 @@ static void shade_row(struct shade_run *run, struct shade_row *row)
     } else {
         memset(curvature, 0, sizeof(curvature));
     }
-    write_layers(run, row, curvature);
+    if (run->needs_layers) {
+        write_layers(run, row, curvature);
+    }
     if (!beauty) {
         return;
     }
@@ -230,6 +232,7 @@ mns_result mns_cpu_shade(struct backend *cpu, const struct frame *frame)
     run.needs_color = run.has_color;
     run.needs_curvature = (wanted >> MNS_LAYER_CURVATURE & 1) || display == MNS_DISPLAY_CURVATURE;
     run.needs_optics = display == MNS_DISPLAY_BEAUTY || (wanted & (1u << MNS_LAYER_TRANSMITTANCE | 1u << MNS_LAYER_ALPHA)) != 0;
+    run.needs_layers = (wanted & ~(1u << MNS_LAYER_BEAUTY)) != 0;
     run.tiles_x = (frame->view.width + SHADE_TILE_WIDTH - 1) / SHADE_TILE_WIDTH;
     run.tiles_y = (frame->view.height + SHADE_TILE_HEIGHT - 1) / SHADE_TILE_HEIGHT;
     if (wanted >> MNS_LAYER_BEAUTY & 1) {

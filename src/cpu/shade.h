@@ -35,7 +35,7 @@ struct shade_optics {
 
     const float *scene;     /* [height][scene_stride][4] linear */
     ptrdiff_t scene_stride; /* pixels */
-    const float *scene_depth; /* NULL: nothing opaque anywhere */
+    const float *scene_depth; /* NULL: nothing stands before any fluid */
     ptrdiff_t scene_depth_stride;
     int width, height;
     bool transparent;       /* nothing stands behind the fluid */
@@ -99,7 +99,7 @@ struct shade_kernels {
     void (*opaque)(const struct shade_optics *optics, bool has_color, struct shade_row *row);
 
     /* count pixels of linear colour (times gain) and straight alpha as the caller wants them: sRGB and rounded to nearest in integers, NaN as 0;
-     * channels 3 or 4. Integers differ by 1 at most, where the exact value is within 0.01 (8 bits) or 0.3 (16 bits) of halfway. */
+     * channels 3 or 4. Integers differ by 1 at most, where the exact value is within 0.01 (8 bits) or 0.4 (16 bits) of halfway. */
     void (*encode)(const float *rgba, int count, float gain, enum pixel_meaning meaning, enum mns_pixel pixel, int channels, void *out);
 };
 

@@ -25,7 +25,9 @@ static const float BLUR_CUT = 3;
 /* Part of the sky's light that a floor under much fluid loses because the fluid's sides reflect it away. */
 static const float SKY_LOSS = 0.45f;
 /* Part of the sunlight that goes astray at the fluid's surfaces, refracted out of its way. */
-static const float SUN_ASTRAY = 0.35f;
+static const float SUN_ASTRAY = 0.3f;
+/* Thickness from which on fluid counts as a body, in R. */
+static const float BODY = 4;
 /* The map holds all but stray particles: a thousandth of them at each end may lie outside. */
 enum { STRAYS = 1000 };
 
@@ -214,8 +216,8 @@ static void compose_band(void *context, int band)
         for (int column = 0; column < shadow->width; column++) {
             ptrdiff_t at = (ptrdiff_t)row * shadow->width + column;
             float along = shadow->sums[0][at], above = sky_thickness(c, column, row);
-            /* A surface is there where fluid of half a splat's radius is. */
-            float covered = 1 - expf(-2 * along / key->splat_radius), roofed = 1 - expf(-2 * above / key->splat_radius);
+            /* How far the fluid is a body with surfaces: a drop of one particle is an eighth of one. */
+            float covered = 1 - expf(-along / (BODY * key->splat_radius)), roofed = 1 - expf(-above / (BODY * key->splat_radius));
             float *light = shadow->light + 4 * at;
             for (int k = 0; k < 3; k++) {
                 light[k] = key->sun_light[k] * expf(-key->absorption[k] * along) * (1 - c->sun_loss * covered) +

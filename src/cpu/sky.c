@@ -2,7 +2,7 @@
 #include "cpu/sky.h"
 
 /* Linear radiance of a clear sky at midday, next to sunlit white of about 1.6: photographs have the zenith at a tenth to a fifth of that. */
-static const float ZENITH[3] = {0.11f, 0.24f, 0.55f};
+static const float ZENITH[3] = {0.09f, 0.21f, 0.52f};
 static const float HORIZON[3] = {0.56f, 0.68f, 0.84f};
 
 /* Parts of the sun's light that the haze scatters about it. */
