@@ -3,6 +3,8 @@
 
 #include "program.h"
 
+#include <meniscus/io.h>
+
 #include <dirent.h>
 #include <errno.h>
 #include <stdio.h>
@@ -179,6 +181,26 @@ static bool picks_particles(const char *entry, const void *user)
     return is_particle_file(entry);
 }
 
+static bool picks_extension(const char *entry, const void *user) { return entry[0] != '.' && ends_in(entry, user); }
+
+static int add_pvd(struct inputs *inputs, const char *name);
+
+/* A folder without particle files may hold the .pvd of files that lie elsewhere. */
+static int add_pvd_of(struct inputs *inputs, const char *folder)
+{
+    struct inputs found = {0};
+    int status = add_folder(&found, folder, folder, picks_extension, ".pvd");
+    if (status == STATUS_DONE && found.count == 0) {
+        status = program_fail("%s: holds no particle files (*.bgeo, *.vtk, *.vtu, *.npy and the like)", folder);
+    } else if (status == STATUS_DONE && found.count > 1) {
+        status = program_usage("%s: holds %zu .pvd files; name one", folder, found.count);
+    } else if (status == STATUS_DONE) {
+        status = add_pvd(inputs, found.list[0].path);
+    }
+    inputs_free(&found);
+    return status;
+}
+
 static int add_directory(struct inputs *inputs, const char *name)
 {
     size_t first = inputs->count, series = 0;
@@ -187,7 +209,7 @@ static int add_directory(struct inputs *inputs, const char *name)
         return status;
     }
     if (inputs->count == first) {
-        return program_fail("%s: holds no particle files (*.bgeo, *.vtk, *.vtu, *.npy and the like)", name);
+        return add_pvd_of(inputs, name);
     }
     sort(inputs, first);
     for (size_t i = first; i < inputs->count; i++) { /* sorted: a series' frames stand together */
@@ -238,6 +260,22 @@ static int add_pattern(struct inputs *inputs, const char *name)
     return status;
 }
 
+static int add_pvd(struct inputs *inputs, const char *name)
+{
+    struct mns_message message;
+    mns_pvd *pvd;
+    if (mns_pvd_read(&pvd, name, &message) != MNS_OK) {
+        return program_fail("%s", message.text);
+    }
+    int status = mns_pvd_count(pvd) ? STATUS_DONE : program_fail("%s: names no files", name);
+    for (size_t i = 0; status == STATUS_DONE && i < mns_pvd_count(pvd); i++) {
+        status = add_path(inputs, copy(mns_pvd_get(pvd, i)->path), name);
+    }
+    mns_pvd_destroy(&pvd);
+    inputs->ordered = true;
+    return status;
+}
+
 int inputs_add(struct inputs *inputs, const char *name)
 {
     struct stat file;
@@ -251,7 +289,7 @@ int inputs_add(struct inputs *inputs, const char *name)
     if (!exists && pattern_is(name)) {
         return add_pattern(inputs, name);
     }
-    return add_path(inputs, copy(name), name);
+    return ends_in(name, ".pvd") ? add_pvd(inputs, name) : add_path(inputs, copy(name), name);
 }
 
 void inputs_number(struct inputs *inputs)

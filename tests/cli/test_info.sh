@@ -47,6 +47,21 @@ refuses 1 'holds no particle files' info empty
 refuses 1 'missing: cannot be opened: No such file' info missing
 refuses 2 'is empty' info ''
 
+# A collection keeps its own order.
+if "$program" --version | grep -q '^reads: .*pvd'; then
+    mkdir other
+    printf '<VTKFile type="Collection"><Collection>%s%s</Collection></VTKFile>\n' '<DataSet timestep="0" file="../series/frame_2.csv"/>' \
+        '<DataSet timestep="1" file="../series/frame_1.csv"/>' >other/steps.pvd
+    for input in other/steps.pvd other; do
+        ok info $input
+        [ "$(grep -c '^  format' .out)" = 2 ] || complain "$input is not 2 files: $(cat .out)"
+        head -n 1 .out | grep -q 'frame_2.csv$' || complain "$input lost its order: $(cat .out)"
+    done
+    printf '<VTKFile type="Collection"><Collection></Collection></VTKFile>\n' >other/none.pvd
+    refuses 1 'none.pvd' info other/none.pvd
+    refuses 2 'holds 2 .pvd files' info other
+fi
+
 # Bad files.
 "$program" sample block --particles 1000 -o good.npy
 "$program" sample block --particles 1000 -o good.npz
