@@ -40,7 +40,8 @@ static inline void stage_test_begin(struct stage_test *test, enum mns_isa isa, i
 {
     memset(test, 0, sizeof(*test));
     mns_memory_init(&test->memory, NULL);
-    const struct backend_host host = {.memory = &test->memory, .parallel = {.run = run_backwards}, .threads = threads, .message = &test->message};
+    const struct backend_host host = {
+        .memory = &test->memory, .parallel = {.run = run_backwards}, .threads = threads, .message = &test->message};
     struct mns_renderer_params params;
     mns_renderer_params_init(&params);
     params.isa = isa;
@@ -62,7 +63,8 @@ static inline void stage_test_end(struct stage_test *test)
 }
 
 /* Resolves the frame and gives the planes before blur their size, empty. */
-static inline void stage_test_frame(struct stage_test *test, const struct mns_scene *scene, const struct mns_output *outputs, size_t count, int scale)
+static inline void stage_test_frame(struct stage_test *test, const struct mns_scene *scene, const struct mns_output *outputs, size_t count,
+                                    int scale)
 {
     struct mns_frame frame;
     mns_frame_init(&frame);
@@ -78,7 +80,8 @@ static inline void stage_test_frame(struct stage_test *test, const struct mns_sc
     cpu->raw.has_color = false;
     cpu->smoothed = &cpu->depth_raw;
     assert_true(mns_depth_plane_resize(&cpu->depth_raw, &test->memory, width, height));
-    assert_true(mns_plane_resize(&cpu->raw.thickness, &test->memory, (width + scale - 1) / scale, (height + scale - 1) / scale, PLANE_BORDER));
+    assert_true(
+        mns_plane_resize(&cpu->raw.thickness, &test->memory, (width + scale - 1) / scale, (height + scale - 1) / scale, PLANE_BORDER));
     for (int y = 0; y < height; y++) {
         for (int x = 0; x < width; x++) {
             cpu->depth_raw.plane.data[y * cpu->depth_raw.plane.stride + x] = DEPTH_EMPTY;
@@ -99,7 +102,8 @@ static inline float *thickness_at(struct stage_test *test, int x, int y)
 
 static inline struct mns_image image_of(const struct stage_test *test, void *data, int channels, enum mns_pixel pixel)
 {
-    return (struct mns_image){.data = data, .width = test->camera.width, .height = test->camera.height, .channels = channels, .pixel = pixel};
+    return (struct mns_image){
+        .data = data, .width = test->camera.width, .height = test->camera.height, .channels = channels, .pixel = pixel};
 }
 
 #endif

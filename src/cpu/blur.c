@@ -181,9 +181,10 @@ mns_result mns_cpu_blur(struct backend *cpu, const struct frame *frame)
     struct blur_run run = {.cpu = cpu, .frame = frame, .scale = cpu->raw.scale};
     run.width = (view->width + run.scale - 1) / run.scale;
     run.height = (view->height + run.scale - 1) / run.scale;
-    run.sigma = (struct blur_sigma){.scale = frame->params.thickness_blur * frame->splat_radius * sqrtf(view->fx * view->fy) / (float)run.scale,
-                                    .least = run.scale > 1 ? SIGMA_LEAST : 1e-3f, /* that small: the texel alone */
-                                    .orthographic = view->orthographic};
+    run.sigma =
+        (struct blur_sigma){.scale = frame->params.thickness_blur * frame->splat_radius * sqrtf(view->fx * view->fy) / (float)run.scale,
+                            .least = run.scale > 1 ? SIGMA_LEAST : 1e-3f, /* that small: the texel alone */
+                            .orthographic = view->orthographic};
     cpu->blurred.scale = run.scale;
     cpu->blurred.has_color = cpu->raw.has_color;
     if (!resize(&run)) {

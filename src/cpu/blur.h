@@ -24,8 +24,8 @@ struct blur_line {
 
 /* How sigma follows from the depth. */
 struct blur_sigma {
-    float scale;   /* sigma in texels times depth (orthographic: sigma) */
-    float least;   /* texels */
+    float scale; /* sigma in texels times depth (orthographic: sigma) */
+    float least; /* texels */
     bool orthographic;
 };
 

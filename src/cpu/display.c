@@ -11,7 +11,8 @@ static const float FAR_GREY = 0.12f;
 
 bool mns_display_is_diagram(int display)
 {
-    return display == MNS_DISPLAY_NORMAL || display == MNS_DISPLAY_DEPTH || display == MNS_DISPLAY_THICKNESS || display == MNS_DISPLAY_CURVATURE;
+    return display == MNS_DISPLAY_NORMAL || display == MNS_DISPLAY_DEPTH || display == MNS_DISPLAY_THICKNESS ||
+           display == MNS_DISPLAY_CURVATURE;
 }
 
 struct display_range mns_display_measure(const struct backend *cpu, const struct frame *frame)
@@ -45,7 +46,8 @@ static void show_curvature(float per_radius, float out[3])
     out[2] = 0;
 }
 
-void mns_display_row(const struct frame *frame, const struct display_range *range, const struct shade_row *row, const float *curvature, float *out)
+void mns_display_row(const struct frame *frame, const struct display_range *range, const struct shade_row *row, const float *curvature,
+                     float *out)
 {
     float extent = range->high - range->low;
     for (int i = 0; i < row->count; i++, out += 4) {

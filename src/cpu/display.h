@@ -15,6 +15,7 @@ bool mns_display_is_diagram(int display);
 struct display_range mns_display_measure(const struct backend *cpu, const struct frame *frame);
 
 /* out: [count][4], the values as they are shown. */
-void mns_display_row(const struct frame *frame, const struct display_range *range, const struct shade_row *row, const float *curvature, float *out);
+void mns_display_row(const struct frame *frame, const struct display_range *range, const struct shade_row *row, const float *curvature,
+                     float *out);
 
 #endif

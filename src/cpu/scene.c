@@ -188,8 +188,8 @@ mns_result mns_cpu_scene(struct backend *cpu, const struct frame *frame)
     }
     const struct scene_look *look = &frame->look;
     scene->has_depth = frame->scene ? frame->scene->depth.data != NULL : run.backdrop.has_floor;
-    scene->cuts_fluid = scene->has_depth &&
-                        (frame->scene || look->floor_height > frame->facts->bounds_min[look->axis_up] - frame->splat_radius);
+    scene->cuts_fluid =
+        scene->has_depth && (frame->scene || look->floor_height > frame->facts->bounds_min[look->axis_up] - frame->splat_radius);
     if (!resize(scene, cpu->host.memory, frame->view.width, frame->view.height)) {
         return cpu_out_of_memory(cpu);
     }

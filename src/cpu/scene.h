@@ -13,21 +13,21 @@ enum { SCENE_SPAN = 256 };
 /* Sky and floor of one picture, in image space (core/frame.h: struct view). */
 struct backdrop {
     struct sky sky;
-    bool has_sky;               /* false: color everywhere, into which the floor fades as well */
-    bool has_floor;             /* and the eye is above it */
+    bool has_sky;   /* false: color everywhere, into which the floor fades as well */
+    bool has_floor; /* and the eye is above it */
     bool orthographic;
     float color[4];
-    float step_x, step_y;       /* 1 / fx, 1 / fy */
+    float step_x, step_y; /* 1 / fx, 1 / fy */
     float cx, cy, near_plane;
     float disc_inner, disc_outer; /* q of the sky's formula between which the sun's disc ends */
-    float disc[3];              /* its radiance */
+    float disc[3];                /* its radiance */
 
     float plane;                /* up . q of the points q on the floor; negative for a perspective eye above it */
     float axis_u[3], axis_v[3]; /* (axis_u . q) * inv_cell + offset_u: cells along the floor */
     float offset_u, offset_v, inv_cell;
     float albedo_mean[3], albedo_half[3]; /* of the floor: mean + half * checker, checker in [-1, 1] */
-    float light_open[3];        /* on the floor outside the map */
-    const float *light;         /* [light_height][light_width][4] on the floor, the fluid's shadow in it; NULL: open everywhere */
+    float light_open[3];                  /* on the floor outside the map */
+    const float *light;                   /* [light_height][light_width][4] on the floor, the fluid's shadow in it; NULL: open everywhere */
     int light_width, light_height;
     float light_u, light_v, light_scale; /* (axis_u . q) * light_scale + light_u: texel centres at whole numbers */
 };
@@ -35,7 +35,7 @@ struct backdrop {
 /* The floor fades into the horizon's colour with the sine of the angle below the horizon, so no length sets the haze:
  * (s^2 / (s^2 + sine^2))^2, less FLOOR_HAZE_END so that most of the picture needs no sky. */
 #define FLOOR_HAZE_SINE 0.05f
-#define FLOOR_HAZE_END 0.001f
+#define FLOOR_HAZE_END  0.001f
 
 /* The checker is filtered by a tent of one pixel's footprint on each side, along each axis of the floor in turn: t (2 - |t|) of
  * t = distance to the nearest edge / width, clamped to [-1, 1]. From half a cell on the next edges come in: (2 - width) / 1.5 stands for

@@ -17,7 +17,7 @@ struct shade_run {
     struct backend *cpu;
     const struct frame *frame;
     struct shade_optics optics;
-    const struct plane *surface;    /* depth that is shaded: smoothed, or raw in display spheres */
+    const struct plane *surface; /* depth that is shaded: smoothed, or raw in display spheres */
     struct display_range range;
     float gain;
     bool has_color, needs_color, needs_curvature, needs_optics, needs_layers;
@@ -90,8 +90,8 @@ static void row_curvature(const struct shade_run *run, const struct shade_row *r
     const float *depth = run->surface->data + row->y * run->surface->stride + row->x;
     for (int r = 0; r < 3; r++) {
         run->cpu->kernels->shade->normals(&run->optics, depth - SHADE_MARGIN + (r - 1) * run->surface->stride, run->surface->stride, NULL,
-                                          row->x - SHADE_MARGIN, row->y + r - 1, row->count + 2 * SHADE_MARGIN, normals[r][0], normals[r][1],
-                                          normals[r][2]);
+                                          row->x - SHADE_MARGIN, row->y + r - 1, row->count + 2 * SHADE_MARGIN, normals[r][0],
+                                          normals[r][1], normals[r][2]);
         for (int c = 0; c < 3; c++) {
             at.n[r][c] = normals[r][c] + SHADE_MARGIN;
         }
@@ -170,8 +170,8 @@ static void shade_row(struct shade_run *run, struct shade_row *row)
     const float *pixels = row->out;
     int display = run->frame->params.display;
     bool diagram = mns_display_is_diagram(display);
-    int found = run->cpu->kernels->shade->normals(optics, depth, run->surface->stride, scene_depth, row->x, row->y, row->count, row->nx, row->ny,
-                                                  row->nz);
+    int found = run->cpu->kernels->shade->normals(optics, depth, run->surface->stride, scene_depth, row->x, row->y, row->count, row->nx,
+                                                  row->ny, row->nz);
     if (found > 0) {
         memcpy(row->depth, depth, sizeof(float) * (size_t)row->count);
         sample_thickness(run, row);

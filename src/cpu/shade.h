@@ -12,7 +12,7 @@
 enum {
     SHADE_TILE_WIDTH = 256, /* with 32 rows the scene under a tile stays in the second cache */
     SHADE_TILE_HEIGHT = 32,
-    SHADE_MARGIN = 16       /* pixels on each side of a row of normals, for the curvature */
+    SHADE_MARGIN = 16 /* pixels on each side of a row of normals, for the curvature */
 };
 
 /* What the optics of one picture depend on. Lengths in metres, directions and positions in image space (core/frame.h: struct view). */
@@ -20,25 +20,25 @@ struct shade_optics {
     struct sky sky;
     bool orthographic;
     float fx, fy, cx, cy, step_x, step_y; /* step_x = 1 / fx */
-    float edge;             /* neighbours whose depths differ by more are apart */
-    bool one_sided;         /* always take the smaller difference: creases stay sharp */
+    float edge;                           /* neighbours whose depths differ by more are apart */
+    bool one_sided;                       /* always take the smaller difference: creases stay sharp */
 
     bool schlick;
-    float index;            /* of refraction */
-    float refraction;       /* thicknesses that the refracted ray travels */
-    float absorption[3];    /* 1/metre */
-    float absorption_mean;  /* of the three: what a particle's colour takes the hue of */
-    float scatter[3];       /* radiance of deep fluid */
-    float scatter_light[3]; /* radiance of deep fluid over the particles' colour */
+    float index;                           /* of refraction */
+    float refraction;                      /* thicknesses that the refracted ray travels */
+    float absorption[3];                   /* 1/metre */
+    float absorption_mean;                 /* of the three: what a particle's colour takes the hue of */
+    float scatter[3];                      /* radiance of deep fluid */
+    float scatter_light[3];                /* radiance of deep fluid over the particles' colour */
     float reflection, specular, shininess; /* specular: over the sun's light on a white surface */
-    float opaque[3];        /* colour of the surface where the fluid is opaque */
+    float opaque[3];                       /* colour of the surface where the fluid is opaque */
 
-    const float *scene;     /* [height][scene_stride][4] linear */
-    ptrdiff_t scene_stride; /* pixels */
+    const float *scene;       /* [height][scene_stride][4] linear */
+    ptrdiff_t scene_stride;   /* pixels */
     const float *scene_depth; /* NULL: nothing stands before any fluid */
     ptrdiff_t scene_depth_stride;
     int width, height;
-    bool transparent;       /* nothing stands behind the fluid */
+    bool transparent; /* nothing stands behind the fluid */
 };
 
 /* Pixels x to x + count - 1 of row y. Normals and positions in image space; kernels leave alone what stands where nz is 0. */
@@ -49,7 +49,8 @@ struct shade_row {
     float color[3][SHADE_TILE_WIDTH];         /* of the particles, where they have one */
     float transmittance[3][SHADE_TILE_WIDTH]; /* of the fluid's body, without its surface */
     float fresnel[SHADE_TILE_WIDTH];
-    float look_x[SHADE_TILE_WIDTH], look_y[SHADE_TILE_WIDTH]; /* where the scene is looked up: pixel centres at whole numbers, inside the picture */
+    float look_x[SHADE_TILE_WIDTH],
+        look_y[SHADE_TILE_WIDTH];       /* where the scene is looked up: pixel centres at whole numbers, inside the picture */
     float behind[4 * SHADE_TILE_WIDTH]; /* what was found there: [count][4] */
     float out[4 * SHADE_TILE_WIDTH];    /* [count][4] linear, straight alpha */
 };
@@ -64,11 +65,11 @@ struct shade_normals {
 
 /* A particle of colour c absorbs SHADE_TINT * (SHADE_TINT_LEAST + 1 - c) of the mean absorption in each channel: a white one nearly nothing, a
  * pure red one green and blue as strongly as water does red. */
-#define SHADE_TINT 2.0f
+#define SHADE_TINT       2.0f
 #define SHADE_TINT_LEAST 0.1f
 
 /* The highlight: full from a tenth of a right angle between surface and sun; and the eye's cosine from which on it grows no more. */
-#define SHADE_SUNSET 6.0f
+#define SHADE_SUNSET  6.0f
 #define SHADE_GRAZING 0.15f
 
 /* Arrays may be read and written up to count rounded up to 16. Tolerances against plain C, relative to the largest value, come from fused
@@ -78,12 +79,12 @@ struct shade_kernels {
      * position. Central differences; the smaller one-sided one where a neighbour is apart. No fluid (0 normals) where depth is not in
      * (0, DEPTH_LIMIT) or not before scene_depth (NULL: nothing there). Returns how many pixels have fluid. 2e-6 where no difference is within
      * rounding of the edge. */
-    int (*normals)(const struct shade_optics *optics, const float *depth, ptrdiff_t stride, const float *scene_depth, int x, int y, int count,
-                   float *nx, float *ny, float *nz);
+    int (*normals)(const struct shade_optics *optics, const float *depth, ptrdiff_t stride, const float *scene_depth, int x, int y,
+                   int count, float *nx, float *ny, float *nz);
 
     /* Mean curvature, 1/metre, from normals and depth: half the divergence of the unit normal. 0 where no fluid is. 1e-4 of 1 / footprint: differences of nearly equal normals. */
-    void (*curvature)(const struct shade_optics *optics, const struct shade_normals *normals, const float *depth, ptrdiff_t stride, int x, int y,
-                      int count, float *curvature);
+    void (*curvature)(const struct shade_optics *optics, const struct shade_normals *normals, const float *depth, ptrdiff_t stride, int x,
+                      int y, int count, float *curvature);
 
     /* Fresnel reflectance, transmittance, lookup. has_color: the particles' colours tint. 4e-6; lookups 2e-4 pixels in 2000. */
     void (*optics)(const struct shade_optics *optics, bool has_color, struct shade_row *row);

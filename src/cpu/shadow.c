@@ -282,8 +282,8 @@ static bool make(struct backend *cpu, const struct frame *frame, struct shadow *
 {
     const struct scene_look *look = &frame->look;
     float sine = look->sun[look->axis_up], radius = frame->splat_radius;
-    struct projection towards_sun = {look->axis_u, look->axis_v, look->axis_up, look->floor_height, look->sun[look->axis_u] / sine,
-                                     look->sun[look->axis_v] / sine};
+    struct projection towards_sun = {
+        look->axis_u, look->axis_v, look->axis_up, look->floor_height, look->sun[look->axis_u] / sine, look->sun[look->axis_v] / sine};
     float bounds_u[2], bounds_v[2];
     if (!span(cpu, &towards_sun, false, bounds_u) || !span(cpu, &towards_sun, true, bounds_v)) {
         return false;

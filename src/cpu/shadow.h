@@ -12,12 +12,12 @@ enum { SHADOW_SIZE = 1024 };
  * the floor's axes, relative to the set's origin, metres. No particle throws a shadow beyond the map's edge. */
 struct shadow {
     float *light;
-    size_t light_capacity;          /* floats */
-    float *sums[3];                 /* thickness along the sun, thickness upwards at a quarter of the resolution, a pass in between */
-    size_t sums_capacity[3];        /* floats */
+    size_t light_capacity;   /* floats */
+    float *sums[3];          /* thickness along the sun, thickness upwards at a quarter of the resolution, a pass in between */
+    size_t sums_capacity[3]; /* floats */
     int width, height;
     float min_u, min_v, texel;
-    struct shadow_key *key;         /* what the map was made from */
+    struct shadow_key *key; /* what the map was made from */
 };
 
 /* Makes cpu->scene.shadow the map for the frame, unless it is that already. Each texel has

@@ -11,17 +11,17 @@
 
 #include "core/frame.h"
 
-#define SKY_HAZE 6.0f
-#define SKY_WIDE_G 0.8f
+#define SKY_HAZE     6.0f
+#define SKY_WIDE_G   0.8f
 #define SKY_NARROW_G 0.97f
 
 struct sky {
-    float up[3], sun[3];              /* unit, image space */
-    float zenith[3], horizon[3];      /* linear radiance, where a white surface under the default sun has about 1.6 */
-    float ground[3];                  /* below the horizon */
+    float up[3], sun[3];         /* unit, image space */
+    float zenith[3], horizon[3]; /* linear radiance, where a white surface under the default sun has about 1.6 */
+    float ground[3];             /* below the horizon */
     float glow_wide[3], glow_narrow[3];
-    float sun_light[3];               /* of a white surface that faces the sun */
-    float sky_light[3];               /* of a white surface that faces up, by the sky alone */
+    float sun_light[3]; /* of a white surface that faces the sun */
+    float sky_light[3]; /* of a white surface that faces up, by the sky alone */
 };
 
 /* In the image space of the frame's view. */

@@ -84,7 +84,8 @@ static void test_line_is_the_gaussian(void **state)
     }
     for (int i = -20; i <= 20; i++) {
         in[128 + i] = 1;
-        const struct blur_line line = {.in = in + 128, .step = 1, .decay = decay, .out = out, .before = 120, .after = 120, .slope = 0, .count = 1};
+        const struct blur_line line = {
+            .in = in + 128, .step = 1, .decay = decay, .out = out, .before = 120, .after = 120, .slope = 0, .count = 1};
         mns_kernels_get(MNS_ISA_SCALAR)->blur->line(&line);
         double expected = fmax(exp(-i * i / (2.0 * (double)sigma * (double)sigma)) - (double)BLUR_FLOOR, 0) / sum;
         assert_true(fabs((double)out[0] - expected) < 1e-5);

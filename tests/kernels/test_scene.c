@@ -18,11 +18,29 @@ static void unit(float v[3], float x, float y, float z)
 /* A camera `above` the floor, looking down by `pitch` (radians). */
 static struct backdrop backdrop_of(float above, float pitch, bool orthographic, bool sky, bool light)
 {
-    struct backdrop b = {.has_sky = sky, .has_floor = true, .orthographic = orthographic, .color = {0.1f, 0.2f, 0.3f, 1}, .cx = 0.4f * WIDTH,
-                         .cy = 0.5f * HEIGHT, .step_x = orthographic ? 0.02f : 1 / 130.0f, .step_y = orthographic ? 0.025f : 1 / 140.0f,
-                         .disc_inner = 1e-3f, .disc_outer = 2e-3f, .disc = {30, 29, 28}, .light_open = {1.5f, 1.4f, 1.3f},
-                         .albedo_mean = {0.4f, 0.4f, 0.3f}, .albedo_half = {0.1f, 0.2f, 0.1f}, .offset_u = 0.3f, .offset_v = -0.7f, .inv_cell = 3,
-                         .light = light ? map : NULL, .light_width = MAP, .light_height = MAP, .light_u = 12, .light_v = -2, .light_scale = 4};
+    struct backdrop b = {.has_sky = sky,
+                         .has_floor = true,
+                         .orthographic = orthographic,
+                         .color = {0.1f, 0.2f, 0.3f, 1},
+                         .cx = 0.4f * WIDTH,
+                         .cy = 0.5f * HEIGHT,
+                         .step_x = orthographic ? 0.02f : 1 / 130.0f,
+                         .step_y = orthographic ? 0.025f : 1 / 140.0f,
+                         .disc_inner = 1e-3f,
+                         .disc_outer = 2e-3f,
+                         .disc = {30, 29, 28},
+                         .light_open = {1.5f, 1.4f, 1.3f},
+                         .albedo_mean = {0.4f, 0.4f, 0.3f},
+                         .albedo_half = {0.1f, 0.2f, 0.1f},
+                         .offset_u = 0.3f,
+                         .offset_v = -0.7f,
+                         .inv_cell = 3,
+                         .light = light ? map : NULL,
+                         .light_width = MAP,
+                         .light_height = MAP,
+                         .light_u = 12,
+                         .light_v = -2,
+                         .light_scale = 4};
     unit(b.sky.up, 0, -cosf(pitch), -sinf(pitch));
     unit(b.axis_u, 1, 0, 0);
     unit(b.axis_v, 0, -sinf(pitch), cosf(pitch));

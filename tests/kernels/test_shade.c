@@ -3,7 +3,14 @@
 
 #include "cpu/plane.h"
 
-enum { WIDTH = 200, HEIGHT = 24, BORDER = 32, STRIDE = WIDTH + 2 * BORDER + 16, SCENE_STRIDE = 208, COLORS = 4 * SCENE_STRIDE * (HEIGHT + 1) };
+enum {
+    WIDTH = 200,
+    HEIGHT = 24,
+    BORDER = 32,
+    STRIDE = WIDTH + 2 * BORDER + 16,
+    SCENE_STRIDE = 208,
+    COLORS = 4 * SCENE_STRIDE * (HEIGHT + 1)
+};
 
 static float depth_block[(HEIGHT + 2 * BORDER) * STRIDE], scene[COLORS], scene_depth[SCENE_STRIDE * (HEIGHT + 1)];
 static float *const depth = depth_block + BORDER * STRIDE + BORDER;
@@ -29,16 +36,41 @@ static void fill(int kind, float scale)
 static struct shade_optics optics_of(int mode, float scale)
 {
     bool orthographic = mode & 1;
-    struct shade_optics o = {.orthographic = orthographic, .fx = orthographic ? 40 / scale : 160, .fy = orthographic ? 45 / scale : 150, .cx = 90,
-                             .cy = 13, .edge = 0.1f * scale, .one_sided = (mode & 8) != 0, .schlick = (mode & 2) != 0, .index = mode & 16 ? 1 : 1.333f,
-                             .refraction = 1, .absorption = {2 / scale, 0.5f / scale, 0.2f / scale}, .absorption_mean = 0.9f / scale,
-                             .scatter = {0.01f, 0.05f, 0.1f}, .scatter_light = {0.4f, 0.5f, 0.5f}, .reflection = 1, .specular = 1, .shininess = 300,
-                             .opaque = {0.1f, 0.3f, 0.6f}, .scene = scene, .scene_stride = SCENE_STRIDE, .scene_depth = mode & 4 ? scene_depth : NULL,
-                             .scene_depth_stride = SCENE_STRIDE, .width = WIDTH, .height = HEIGHT, .transparent = (mode & 32) != 0};
+    struct shade_optics o = {.orthographic = orthographic,
+                             .fx = orthographic ? 40 / scale : 160,
+                             .fy = orthographic ? 45 / scale : 150,
+                             .cx = 90,
+                             .cy = 13,
+                             .edge = 0.1f * scale,
+                             .one_sided = (mode & 8) != 0,
+                             .schlick = (mode & 2) != 0,
+                             .index = mode & 16 ? 1 : 1.333f,
+                             .refraction = 1,
+                             .absorption = {2 / scale, 0.5f / scale, 0.2f / scale},
+                             .absorption_mean = 0.9f / scale,
+                             .scatter = {0.01f, 0.05f, 0.1f},
+                             .scatter_light = {0.4f, 0.5f, 0.5f},
+                             .reflection = 1,
+                             .specular = 1,
+                             .shininess = 300,
+                             .opaque = {0.1f, 0.3f, 0.6f},
+                             .scene = scene,
+                             .scene_stride = SCENE_STRIDE,
+                             .scene_depth = mode & 4 ? scene_depth : NULL,
+                             .scene_depth_stride = SCENE_STRIDE,
+                             .width = WIDTH,
+                             .height = HEIGHT,
+                             .transparent = (mode & 32) != 0};
     o.step_x = 1 / o.fx;
     o.step_y = 1 / o.fy;
-    o.sky = (struct sky){.up = {0, -0.8f, -0.6f}, .sun = {0.48f, -0.64f, -0.6f}, .zenith = {0.1f, 0.2f, 0.5f}, .horizon = {0.6f, 0.7f, 0.8f},
-                         .ground = {0.3f, 0.3f, 0.2f}, .glow_wide = {0.2f, 0.2f, 0.1f}, .glow_narrow = {1, 1, 1}, .sun_light = {1.9f, 1.7f, 1.5f},
+    o.sky = (struct sky){.up = {0, -0.8f, -0.6f},
+                         .sun = {0.48f, -0.64f, -0.6f},
+                         .zenith = {0.1f, 0.2f, 0.5f},
+                         .horizon = {0.6f, 0.7f, 0.8f},
+                         .ground = {0.3f, 0.3f, 0.2f},
+                         .glow_wide = {0.2f, 0.2f, 0.1f},
+                         .glow_narrow = {1, 1, 1},
+                         .sun_light = {1.9f, 1.7f, 1.5f},
                          .sky_light = {0.2f, 0.3f, 0.5f}};
     return o;
 }
@@ -50,7 +82,8 @@ static void prepare(const struct shade_optics *o, bool has_color, struct shade_r
     memset(row, 0, sizeof(*row));
     row->y = y;
     row->count = WIDTH - 3;
-    scalar->normals(o, depth + y * STRIDE, STRIDE, o->scene_depth ? scene_depth + y * SCENE_STRIDE : NULL, 0, y, row->count, row->nx, row->ny, row->nz);
+    scalar->normals(o, depth + y * STRIDE, STRIDE, o->scene_depth ? scene_depth + y * SCENE_STRIDE : NULL, 0, y, row->count, row->nx,
+                    row->ny, row->nz);
     memcpy(row->depth, depth + y * STRIDE, sizeof(float) * (size_t)row->count);
     for (int i = 0; i < row->count; i++) {
         row->thickness[i] = (uniform(0, 1) < 0.1f ? 0 : uniform(0, 3)) / o->absorption[0];
@@ -201,7 +234,8 @@ static void test_encode(void **state)
         copy[0] = copy[1] = copy[2] = 0.5f;
         for (int kind = 0; kind < 8; kind++) {
             for (int count = 1; count < 300; count += 61) {
-                check_codes(vector->shade, copy, count, kind & 1 ? PIXEL_CODE : PIXEL_COLOR, kind & 2 ? MNS_PIXEL_U16 : MNS_PIXEL_U8, kind & 4 ? 3 : 4);
+                check_codes(vector->shade, copy, count, kind & 1 ? PIXEL_CODE : PIXEL_COLOR, kind & 2 ? MNS_PIXEL_U16 : MNS_PIXEL_U8,
+                            kind & 4 ? 3 : 4);
             }
         }
         float floats[3 * 20];

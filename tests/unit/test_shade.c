@@ -97,7 +97,7 @@ static void check_sphere(enum mns_isa isa, bool orthographic)
             dot += expected[i][k] * got[k];
         }
         assert_true(dot > 0.9); /* the rim's one-sided differences, too */
-        if (facing > 0.5) { /* four pixels inside the rim */
+        if (facing > 0.5) {     /* four pixels inside the rim */
             seen++;
             assert_true(dot > 0.9999);
             /* Differences over two pixels of a sphere of 30: the error grows with the fourth power of the slope. */
@@ -172,8 +172,8 @@ static void test_slab_refracts_as_snell_says(void **state)
     optics_at(&optics, angles, 5, &row); /* orthographic: the ray runs along z, a metre is a pixel */
     for (int i = 0; i < 5; i++) {
         double slab = cos(angles[i]), inside = asin(sin(angles[i]) / n), path = slab / cos(inside); /* the thickness along the ray is 1 */
-        double expected = i - path * sin(angles[i] - inside);                                      /* bent towards the normal */
-        assert_true(fabs((double)row.look_x[i] - fabs(expected)) < 1e-3); /* mirrored at the edge */
+        double expected = i - path * sin(angles[i] - inside);                                       /* bent towards the normal */
+        assert_true(fabs((double)row.look_x[i] - fabs(expected)) < 1e-3);                           /* mirrored at the edge */
     }
 }
 

@@ -25,7 +25,7 @@ static float floor_haze(float sine)
 }
 
 struct floor_point {
-    float depth;          /* metres */
+    float depth;            /* metres */
     float along_u, along_v; /* axis . q, metres */
     float width_u, width_v; /* half-widths of the pixel's footprint, cells */
     float haze;

@@ -69,8 +69,8 @@ static float normal_slope(float before, float here, float after, bool has_before
     return has_before && has_after ? 0.5f * (back + ahead) : back + ahead;
 }
 
-static void curvature(const struct shade_optics *o, const struct shade_normals *normals, const float *depth, ptrdiff_t stride, int x, int y, int count,
-                      float *out)
+static void curvature(const struct shade_optics *o, const struct shade_normals *normals, const float *depth, ptrdiff_t stride, int x, int y,
+                      int count, float *out)
 {
     for (int i = 0; i < count; i++) {
         float z = depth[i];
@@ -80,7 +80,8 @@ static void curvature(const struct shade_optics *o, const struct shade_normals *
         }
         float per_z = o->orthographic ? 1 : z, footprint = per_z * SHADE_SLOPE_MAX;
         float edge_x = fmaxf(o->edge, footprint * o->step_x), edge_y = fmaxf(o->edge, footprint * o->step_y);
-        bool left = is_fluid(depth[i - 1]) && fabsf(z - depth[i - 1]) <= edge_x, right = is_fluid(depth[i + 1]) && fabsf(depth[i + 1] - z) <= edge_x;
+        bool left = is_fluid(depth[i - 1]) && fabsf(z - depth[i - 1]) <= edge_x,
+             right = is_fluid(depth[i + 1]) && fabsf(depth[i + 1] - z) <= edge_x;
         bool above = is_fluid(depth[i - stride]) && fabsf(z - depth[i - stride]) <= edge_y;
         bool below = is_fluid(depth[i + stride]) && fabsf(depth[i + stride] - z) <= edge_y;
         float along_x[3], along_y[3];
@@ -152,7 +153,8 @@ static void optics(const struct shade_optics *o, bool has_color, struct shade_ro
         float cosine = clamp(-dot(n, v), 0, 1);
         row->fresnel[i] = fresnel(o, cosine);
         for (int c = 0; c < 3; c++) {
-            float absorption = has_color ? o->absorption_mean * SHADE_TINT * (SHADE_TINT_LEAST + 1 - clamp(row->color[c][i], 0, 1)) : o->absorption[c];
+            float absorption =
+                has_color ? o->absorption_mean * SHADE_TINT * (SHADE_TINT_LEAST + 1 - clamp(row->color[c][i], 0, 1)) : o->absorption[c];
             row->transmittance[c][i] = expf(-fminf(absorption * row->thickness[i], 80));
         }
         look_up(o, row, i, v, cosine);
@@ -305,10 +307,5 @@ static void encode(const float *rgba, int count, float gain, enum pixel_meaning 
     }
 }
 
-const struct shade_kernels mns_shade_kernels_scalar = {.normals = normals,
-                                                       .curvature = curvature,
-                                                       .optics = optics,
-                                                       .fetch = fetch,
-                                                       .water = water,
-                                                       .opaque = opaque,
-                                                       .encode = encode};
+const struct shade_kernels mns_shade_kernels_scalar = {
+    .normals = normals, .curvature = curvature, .optics = optics, .fetch = fetch, .water = water, .opaque = opaque, .encode = encode};

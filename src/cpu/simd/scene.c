@@ -51,7 +51,8 @@ SIMD vm floor_at(const struct backdrop *b, const struct rays *r, struct span *sp
         gap = gap - vf_fma(vf_set1(up[0]), r->dx, vf_set1(up[1]) * r->dy);
     }
     vf inv_fall = vf_rcp(fall), z = gap * inv_fall;
-    vm here = vm_and(vf_gt(sine, vf_zero()), vm_and(vf_gt(z, vf_set1(b->orthographic ? b->near_plane : 0)), vf_lt(z, vf_set1(DEPTH_LIMIT))));
+    vm here =
+        vm_and(vf_gt(sine, vf_zero()), vm_and(vf_gt(z, vf_set1(b->orthographic ? b->near_plane : 0)), vf_lt(z, vf_set1(DEPTH_LIMIT))));
     *depth = vf_select(here, z, vf_set1(DEPTH_EMPTY));
     vf_storeu(span->haze + i, vf_select(here, floor_haze(sine), vf_set1(1.0f)));
     vf inv_near = vf_rcp(vf_min(fall, vf_set1(-1e-4f) * r->length)), z_near = gap * inv_near;
@@ -87,7 +88,8 @@ SIMD void backdrop_at(const struct backdrop *b, const struct rays *r, vm is_floo
     vf out[3] = {vf_set1(b->color[0]), vf_set1(b->color[1]), vf_set1(b->color[2])};
     int needed = vm_any(vf_gt(vf_loadu(span->haze + i), vf_zero()));
     if (b->has_sky && needed) {
-        vf x = vf_either(b->orthographic, vf_zero(), r->dx * r->inv_length), y = vf_either(b->orthographic, vf_zero(), r->dy * r->inv_length);
+        vf x = vf_either(b->orthographic, vf_zero(), r->dx * r->inv_length),
+           y = vf_either(b->orthographic, vf_zero(), r->dy * r->inv_length);
         vf z = r->inv_length;
         vf h = vf_select(is_floor, vf_zero(), vf_dot(b->sky.up, x, y, z)), q = sky_sun_distance2(&b->sky, x, y, z);
         sky_radiance(&b->sky, h, q, out);

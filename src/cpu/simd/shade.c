@@ -43,7 +43,8 @@ SIMD vm is_fluid(vf depth) { return vm_and(vf_gt(depth, vf_zero()), vf_lt(depth,
 
 SIMD vf slope(vf before, vf here, vf after, vf edge, bool one_sided)
 {
-    vf far = vf_set1(DEPTH_EMPTY), back = vf_select(is_fluid(before), here - before, far), ahead = vf_select(is_fluid(after), after - here, far);
+    vf far = vf_set1(DEPTH_EMPTY), back = vf_select(is_fluid(before), here - before, far),
+       ahead = vf_select(is_fluid(after), after - here, far);
     vf back_size = vf_abs(back), ahead_size = vf_abs(ahead);
     vf smaller = vf_select(vf_lt(back_size, ahead_size), back, ahead);
     smaller = vf_keep(vf_le(vf_abs(smaller), edge), smaller);
@@ -101,7 +102,8 @@ static void curvature(const struct shade_optics *o, const struct shade_normals *
         vm here = is_fluid(z);
         z = vf_select(here, z, one);
         vf per_z = vf_either(o->orthographic, one, z);
-        vf edge_x = vf_max(edge, per_z * vf_set1(SHADE_SLOPE_MAX * o->step_x)), edge_y = vf_max(edge, per_z * vf_set1(SHADE_SLOPE_MAX * o->step_y));
+        vf edge_x = vf_max(edge, per_z * vf_set1(SHADE_SLOPE_MAX * o->step_x)),
+           edge_y = vf_max(edge, per_z * vf_set1(SHADE_SLOPE_MAX * o->step_y));
         vm left = together(z, vf_loadu(at - 1), edge_x), right = together(z, vf_loadu(at + 1), edge_x);
         vm above = together(z, vf_loadu(at - stride), edge_y), below = together(z, vf_loadu(at + stride), edge_y);
         vf along_x[3], along_y[3];
@@ -146,7 +148,8 @@ SIMD struct v3 row_normals(const struct shade_row *row, int i)
 SIMD void look_up(const struct shade_optics *o, struct shade_row *row, int i, struct v3 n, struct v3 v, vf cosine)
 {
     float inverse = 1 / o->index;
-    vf one = vf_set1(1.0f), inside = vf_root(vf_max(vf_fnma(vf_set1(inverse * inverse), vf_fnma(cosine, cosine, one), one), vf_set1(1e-12f)));
+    vf one = vf_set1(1.0f),
+       inside = vf_root(vf_max(vf_fnma(vf_set1(inverse * inverse), vf_fnma(cosine, cosine, one), one), vf_set1(1e-12f)));
     vf z = vf_loadu(row->depth + i), travel = vf_set1(o->refraction) * vf_loadu(row->thickness + i) * cosine * vf_rcp(inside);
     struct v3 ray = v3_fma(vf_fma(vf_set1(inverse), cosine, vf_neg(inside)), n, v3_scale(vf_set1(inverse), v));
     vf per_z = vf_either(o->orthographic, one, z), across = columns(o, row->x + i) * vf_set1(o->step_x) * per_z;
@@ -286,7 +289,8 @@ SIMD void over_nothing(vf covers, vf out[4])
 SIMD void water_at(const struct shade_optics *o, bool has_color, struct shade_row *row, int i, struct v3 n, vm fluid)
 {
     struct v3 v = rays(o, row->x + i, row->y);
-    vf one = vf_set1(1.0f), cosine = vf_saturate(vf_neg(v3_dot(n, v))), shine = vf_loadu(row->fresnel + i), enters = one - shine, covers = vf_zero();
+    vf one = vf_set1(1.0f), cosine = vf_saturate(vf_neg(v3_dot(n, v))), shine = vf_loadu(row->fresnel + i), enters = one - shine,
+       covers = vf_zero();
     vf glint = highlight(o, n, v, cosine), mirrored[3], behind[4] = {vf_zero(), vf_zero(), vf_zero(), vf_zero()}, out[4];
     reflected(o, n, v, cosine, mirrored);
     shine = shine * vf_set1(o->reflection);
@@ -351,8 +355,8 @@ static void opaque(const struct shade_optics *o, bool has_color, struct shade_ro
  * polynomial of the sixth degree, fitted for the least largest error, is within 1.4e-6. */
 SIMD vf srgb_curve(vf a)
 {
-    vf q = vf_rsqrt_estimate(a * vf_rsqrt_estimate(a)), q2 = q * q;    /* a^(-1/4), within 6e-4 */
-    q = q * vf_fnma(vf_set1(0.25f) * a * q2, q2, vf_set1(1.25f));      /* one Newton step: 1e-6 */
+    vf q = vf_rsqrt_estimate(a * vf_rsqrt_estimate(a)), q2 = q * q; /* a^(-1/4), within 6e-4 */
+    q = q * vf_fnma(vf_set1(0.25f) * a * q2, q2, vf_set1(1.25f));   /* one Newton step: 1e-6 */
     vf t = a * q * (q * q), p = vf_set1(0.0682078075f);
     p = vf_fma(p, t, vf_set1(-0.318415362f));
     p = vf_fma(p, t, vf_set1(0.657187365f));
@@ -427,10 +431,5 @@ static void encode(const float *rgba, int count, float gain, enum pixel_meaning 
     }
 }
 
-const struct shade_kernels SIMD_NAME(mns_shade_kernels) = {.normals = normals,
-                                                          .curvature = curvature,
-                                                          .optics = optics,
-                                                          .fetch = fetch,
-                                                          .water = water,
-                                                          .opaque = opaque,
-                                                          .encode = encode};
+const struct shade_kernels SIMD_NAME(mns_shade_kernels) = {
+    .normals = normals, .curvature = curvature, .optics = optics, .fetch = fetch, .water = water, .opaque = opaque, .encode = encode};
