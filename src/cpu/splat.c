@@ -136,78 +136,71 @@ static bool is_cut(const struct splat_view *view, const struct tile_chunk *chunk
     return chunk->sprite > DEPTH_LIMIT || chunk->near_depth < view->near_plane || chunk->far_depth > view->far_plane;
 }
 
-/* Ranges of the scene's depth in the tile's smallest blocks. */
-static void measure_scene(struct tile_scratch *scratch, const struct plane *scene)
+/* Ranges of the scene's depth in the tile's smallest blocks: down the columns of a row of blocks first, since that runs in vectors. */
+static void measure_scene(const struct splat_tile *tile, const struct plane *depth, struct cut_scene *scene)
 {
-    const struct splat_tile *tile = &scratch->tile;
-    for (int i = 0; i < TILE_BLOCKS; i++) {
-        scratch->scene[i] = (struct depth_range){.min = DEPTH_EMPTY, .max = 0};
-    }
-    for (int y = 0; y < tile->pixels.rows; y++) {
-        const float *row = scene->data + (tile->y + y) * scene->stride + tile->x;
-        struct depth_range *ranges = scratch->scene + (y >> BLOCK_SHIFT_Y) * (TILE_SIZE >> BLOCK_SHIFT_X);
-        for (int x = 0; x < tile->pixels.columns; x++) {
-            struct depth_range *range = &ranges[x >> BLOCK_SHIFT_X];
-            range->min = row[x] < range->min ? row[x] : range->min;
-            range->max = row[x] > range->max ? row[x] : range->max;
+    enum { COLUMNS = TILE_SIZE >> BLOCK_SHIFT_X, WIDTH = 1 << BLOCK_SHIFT_X, HEIGHT = 1 << BLOCK_SHIFT_Y };
+    scene->depth = depth;
+    for (int y0 = 0; y0 < TILE_SIZE; y0 += HEIGHT) {
+        float low[TILE_SIZE], high[TILE_SIZE];
+        for (int x = 0; x < TILE_SIZE; x++) {
+            low[x] = DEPTH_EMPTY;
+            high[x] = 0;
+        }
+        for (int y = y0; y < least(y0 + HEIGHT, tile->pixels.rows); y++) {
+            const float *row = depth->data + (tile->y + y) * depth->stride + tile->x;
+            for (int x = 0; x < tile->pixels.columns; x++) {
+                low[x] = row[x] < low[x] ? row[x] : low[x];
+                high[x] = row[x] > high[x] ? row[x] : high[x];
+            }
+        }
+        for (int x = 0; x < TILE_SIZE; x++) {
+            struct depth_range *range = &scene->ranges[y0 / HEIGHT * COLUMNS + x / WIDTH];
+            bool first = x % WIDTH == 0;
+            range->min = first || low[x] < range->min ? low[x] : range->min;
+            range->max = first || high[x] > range->max ? high[x] : range->max;
         }
     }
 }
 
-/* Blocks of 1 << shift pixels that a chunk may touch in the tile, inclusive. */
-struct block_rect {
-    int x0, x1, y0, y1;
-};
-
-static struct block_rect blocks_of(const struct splat_tile *tile, const struct tile_chunk *chunk, int shift_x, int shift_y)
+/* Of one chunk. scene: NULL where nothing can cut fluid. */
+static void draw_chunk_thickness(struct backend *cpu, struct splat_tile *tile, const struct tile_entry *entry,
+                                 const struct cut_scene *scene)
 {
-    int x0 = chunk->x_min - tile->x, x1 = chunk->x_max - tile->x, y0 = chunk->y_min - tile->y, y1 = chunk->y_max - tile->y;
-    return (struct block_rect){.x0 = x0 > 0 ? x0 >> shift_x : 0,
-                               .x1 = least(x1, TILE_SIZE - 1) >> shift_x,
-                               .y0 = y0 > 0 ? y0 >> shift_y : 0,
-                               .y1 = least(y1, TILE_SIZE - 1) >> shift_y};
-}
-
-static struct cut_scene scene_behind(const struct tile_scratch *scratch, const struct tile_chunk *chunk, const struct plane *depth)
-{
-    struct block_rect rect = blocks_of(&scratch->tile, chunk, BLOCK_SHIFT_X, BLOCK_SHIFT_Y);
-    struct cut_scene scene = {.depth = depth, .nearest = DEPTH_EMPTY};
-    for (int y = rect.y0; y <= rect.y1; y++) {
-        for (int x = rect.x0; x <= rect.x1; x++) {
-            const struct depth_range *range = &scratch->scene[y * (TILE_SIZE >> BLOCK_SHIFT_X) + x];
-            scene.nearest = fminf(scene.nearest, range->min);
-            scene.farthest = fmaxf(scene.farthest, range->max);
+    const struct splat_view *view = &cpu->tiles->view;
+    const struct tile_chunk *chunk = &entry->chunk;
+    float end = DEPTH_EMPTY;
+    if (scene) {
+        struct depth_range range =
+            mns_cut_range(scene, chunk->x_min - tile->x, chunk->x_max - tile->x, chunk->y_min - tile->y, chunk->y_max - tile->y);
+        if (chunk->near_depth >= range.max) {
+            return; /* wholly behind */
         }
+        end = chunk->far_depth > range.min ? range.min : DEPTH_EMPTY;
     }
-    return scene;
+    uint64_t which = UINT64_MAX;
+    if (!is_cut(view, chunk)) {
+        which = cpu->kernels->splat->thickness(view, tile, entry->id, end);
+    }
+    if (which != 0) {
+        mns_cut_thickness(view, tile, entry->id, which, end < DEPTH_EMPTY ? scene : NULL);
+    }
 }
 
 static void draw_thickness(struct backend *cpu, struct tile_scratch *scratch, size_t count)
 {
     const struct splat_view *view = &cpu->tiles->view;
-    const struct plane *depth = cpu->scene.has_depth && cpu->scene.cuts_fluid ? &cpu->scene.depth : NULL;
-    struct splat_tile *tile = &scratch->tile;
-    const struct tile_entry *list = scratch->list;
-    clear_thickness(view, tile);
-    if (depth) {
-        measure_scene(scratch, depth);
+    const struct cut_scene *scene = NULL;
+    clear_thickness(view, &scratch->tile);
+    if (cpu->scene.has_depth && cpu->scene.cuts_fluid) {
+        measure_scene(&scratch->tile, &cpu->scene.depth, &scratch->scene);
+        scene = &scratch->scene;
     }
     for (size_t i = 0; i < count; i++) {
         if (i + PREFETCH < count) {
-            prefetch_chunk(view->particles, list[i + PREFETCH].id);
+            prefetch_chunk(view->particles, scratch->list[i + PREFETCH].id);
         }
-        const struct tile_chunk *chunk = &list[i].chunk;
-        struct cut_scene scene = {.nearest = DEPTH_EMPTY};
-        if (depth) {
-            scene = scene_behind(scratch, chunk, depth);
-        }
-        if (chunk->far_depth > scene.nearest) {
-            mns_cut_thickness(view, tile, list[i].id, &scene);
-        } else if (is_cut(view, chunk)) {
-            mns_cut_thickness(view, tile, list[i].id, NULL);
-        } else {
-            cpu->kernels->splat->thickness(view, tile, list[i].id);
-        }
+        draw_chunk_thickness(cpu, &scratch->tile, &scratch->list[i], scene);
     }
 }
 
@@ -236,11 +229,15 @@ static float sort_list(const struct tile_entry *list, size_t count, uint32_t *or
 /* Nothing of the chunk at this depth or beyond can show in the tile. */
 static float hidden_from(const struct splat_tile *tile, const struct tile_chunk *chunk)
 {
-    struct block_rect rect = blocks_of(tile, chunk, tile->shift_x, tile->shift_y);
+    int x0 = chunk->x_min - tile->x, x1 = chunk->x_max - tile->x, y0 = chunk->y_min - tile->y, y1 = chunk->y_max - tile->y;
+    x0 = x0 > 0 ? x0 >> tile->shift_x : 0;
+    y0 = y0 > 0 ? y0 >> tile->shift_y : 0;
+    x1 = least(x1, TILE_SIZE - 1) >> tile->shift_x;
+    y1 = least(y1, TILE_SIZE - 1) >> tile->shift_y;
     int columns = TILE_SIZE >> tile->shift_x;
     float farthest = 0;
-    for (int y = rect.y0; y <= rect.y1; y++) {
-        for (int x = rect.x0; x <= rect.x1; x++) {
+    for (int y = y0; y <= y1; y++) {
+        for (int x = x0; x <= x1; x++) {
             float here = tile->farthest[y * columns + x];
             farthest = here > farthest ? here : farthest;
         }

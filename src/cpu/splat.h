@@ -26,6 +26,8 @@
 #include "cpu/particles.h"
 #include "cpu/plane.h"
 
+#include <stdint.h>
+
 struct thickness_image; /* cpu.h */
 
 enum {
@@ -106,9 +108,10 @@ struct splat_kernels {
      * is good to 7e-5, and some five products round. At a rim s is ill-conditioned: s^2 is within 1e-4 R^2, so pixels may come or go. */
     size_t (*depth)(const struct splat_view *view, struct splat_tile *tile, size_t chunk, float limit);
 
-    /* Adds the chunk's thickness to sums and cells. Tolerance: of each chord as above; else 1e-4 of the sphere's largest term, and 1e-3
-     * texels in its place. */
-    void (*thickness)(const struct splat_view *view, struct splat_tile *tile, size_t chunk);
+    /* Adds the chunk's thickness to sums and cells: of the spheres that lie wholly before depth `end`. Returns which do not, bit i for
+     * particle i of the chunk; they are left to splat_cut.h. Tolerance: of each chord as above; else 1e-4 of the sphere's largest term, and
+     * 1e-3 texels in its place. */
+    uint64_t (*thickness)(const struct splat_view *view, struct splat_tile *tile, size_t chunk, float end);
 
     /* Writes the tile's depths and their ranges. Returns how many pixels hold fluid. Tolerance: 1e-6 relative. */
     size_t (*resolve_depth)(const struct splat_view *view, const struct splat_tile *tile, struct depth_plane *out);

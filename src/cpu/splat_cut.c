@@ -3,6 +3,10 @@
 
 #include "cpu/sprite.h"
 
+/* Inline, unlike fmin and fmax, which have NaN to mind. */
+static inline double lesser(double a, double b) { return a < b ? a : b; }
+static inline double greater(double a, double b) { return a > b ? a : b; }
+
 struct ball {
     double q[3], radius; /* metres, image space */
     int x0, x1, y0, y1;  /* places of the grid that it may touch, inclusive */
@@ -75,7 +79,7 @@ static bool ball_of(const struct splat_view *view, const struct splat_grid *grid
 /* Whether the centre, moved before the eye and into the picture, is in the tile. */
 static bool is_home(const struct splat_view *view, const struct splat_tile *tile, const struct ball *ball)
 {
-    double per_metre = view->orthographic ? 1 : 1 / fmax(ball->q[2], (double)view->near_plane);
+    double per_metre = view->orthographic ? 1 : 1 / greater(ball->q[2], (double)view->near_plane);
     return sprite_is_home(view, tile, (float)(ball->q[0] * per_metre * (double)tile->pixels.fx + (double)tile->pixels.cx),
                           (float)(ball->q[1] * per_metre * (double)tile->pixels.fy + (double)tile->pixels.cy));
 }
@@ -107,7 +111,7 @@ static void draw_ball(const struct splat_view *view, struct splat_tile *tile, co
                 continue;
             }
             if (leave > near_plane && enter < far_plane) {
-                *nearest = fminf(*nearest, (float)(fmax(enter, near_plane) * ray.length2));
+                *nearest = fminf(*nearest, (float)(greater(enter, near_plane) * ray.length2));
             }
         }
     }
@@ -131,13 +135,17 @@ size_t mns_cut_depth(const struct splat_view *view, struct splat_tile *tile, siz
 /* Where thickness ends in pixel (x, y) of the picture. */
 static double end_at(const struct splat_view *view, const struct plane *scene, int x, int y)
 {
-    return fmin((double)view->far_plane, (double)scene->data[y * scene->stride + x]);
+    return lesser((double)view->far_plane, (double)scene->data[y * scene->stride + x]);
 }
 
-/* Part of a ball of this radius that lies before depth: a cap's share of the volume. */
+/* Part of a ball that lies before depth: a cap's share of the volume. */
 static double part_before(const struct ball *ball, double depth)
 {
-    double h = fmin(fmax((depth - ball->q[2]) / (2 * ball->radius) + 0.5, 0), 1);
+    double above = depth - ball->q[2];
+    if (above >= ball->radius || above <= -ball->radius) {
+        return above > 0;
+    }
+    double h = above / (2 * ball->radius) + 0.5;
     return h * h * (3 - 2 * h);
 }
 
@@ -145,14 +153,14 @@ static double part_before(const struct ball *ball, double depth)
 static double mean_visible(const struct splat_view *view, const struct splat_tile *tile, int x, int y, const struct plane *scene,
                            double enter, double leave)
 {
-    double sum = 0, from = fmax(enter, (double)view->near_plane);
+    double sum = 0, from = greater(enter, (double)view->near_plane);
     if (!scene) {
-        return fmax(fmin(leave, (double)view->far_plane) - from, 0);
+        return greater(lesser(leave, (double)view->far_plane) - from, 0);
     }
     int pixels = 0, x0 = tile->x + x * view->scale, y0 = tile->y + y * view->scale;
     for (int py = y0; py < y0 + view->scale && py < view->height; py++) {
         for (int px = x0; px < x0 + view->scale && px < view->width; px++) {
-            sum += fmax(fmin(leave, end_at(view, scene, px, py)) - from, 0);
+            sum += greater(lesser(leave, end_at(view, scene, px, py)) - from, 0);
             pixels++;
         }
     }
@@ -165,12 +173,12 @@ static double mean_part(const struct splat_view *view, const struct splat_tile *
 {
     double sum = 0, before = part_before(ball, (double)view->near_plane);
     if (!scene) {
-        return fmax(part_before(ball, (double)view->far_plane) - before, 0);
+        return greater(part_before(ball, (double)view->far_plane) - before, 0);
     }
     int pixels = 0, x0 = tile->x + x * view->scale, y0 = tile->y + y * view->scale;
     for (int py = y0; py < y0 + view->scale && py < view->height; py++) {
         for (int px = x0; px < x0 + view->scale && px < view->width; px++) {
-            sum += fmax(part_before(ball, end_at(view, scene, px, py)) - before, 0);
+            sum += greater(part_before(ball, end_at(view, scene, px, py)) - before, 0);
             pixels++;
         }
     }
@@ -244,28 +252,66 @@ static void add_deposit(const struct splat_view *view, struct splat_tile *tile, 
     }
 }
 
-void mns_cut_thickness(const struct splat_view *view, struct splat_tile *tile, size_t chunk, const struct cut_scene *scene)
+struct depth_range mns_cut_range(const struct cut_scene *scene, int x0, int x1, int y0, int y1)
+{
+    const int columns = TILE_SIZE >> BLOCK_SHIFT_X, rows = TILE_SIZE >> BLOCK_SHIFT_Y;
+    struct depth_range all = {.min = DEPTH_EMPTY, .max = 0};
+    for (int by = y0 > 0 ? y0 >> BLOCK_SHIFT_Y : 0; by < rows && by <= y1 >> BLOCK_SHIFT_Y; by++) {
+        for (int bx = x0 > 0 ? x0 >> BLOCK_SHIFT_X : 0; bx < columns && bx <= x1 >> BLOCK_SHIFT_X; bx++) {
+            struct depth_range range = scene->ranges[by * columns + bx];
+            all.min = range.min < all.min ? range.min : all.min;
+            all.max = range.max > all.max ? range.max : all.max;
+        }
+    }
+    return all;
+}
+
+/* Pixels from the tile's corner where a sphere's thickness may come to, of a bound in texels. */
+static int pixel_bound(const struct splat_view *view, float bound, float reach)
+{
+    return (int)fminf(fmaxf((bound + reach) * (float)view->scale, -1), TILE_SIZE);
+}
+
+/* The scene that the sphere meets: NULL where it lies wholly before. *hidden: wholly behind. */
+static const struct plane *scene_met(const struct splat_view *view, const struct sprite *s, const struct cut_scene *scene, bool *hidden)
+{
+    float reach = view->scale > 1 ? SUM_REACH + 1 : 1; /* and what is left of the texel */
+    struct depth_range range = mns_cut_range(scene, pixel_bound(view, s->x_min, -reach), pixel_bound(view, s->x_max, reach),
+                                             pixel_bound(view, s->y_min, -reach), pixel_bound(view, s->y_max, reach));
+    *hidden = s->q[2] - s->radius >= range.max;
+    return s->q[2] + s->radius > range.min ? scene->depth : NULL;
+}
+
+static void cut_sphere(const struct splat_view *view, struct splat_tile *tile, size_t particle, const struct cut_scene *scene)
+{
+    float q[3], radius = sprite_radius(view, particle);
+    sprite_center(view, particle, q);
+    if (!view->orthographic && q[2] < CLOSE_RADII * radius) {
+        add_chords(view, tile, particle, scene ? scene->depth : NULL);
+        return;
+    }
+    struct sprite s = sprite_project(view, &tile->texels, particle);
+    bool hidden = false;
+    const struct plane *depth = scene ? scene_met(view, &s, scene, &hidden) : NULL;
+    if (hidden) {
+        return;
+    }
+    float size = sprite_size(view, &tile->texels, &s);
+    enum sprite_form form = sprite_form_of(view, size);
+    if (form == SPRITE_CHORD) {
+        add_chords(view, tile, particle, depth);
+    } else if (form == SPRITE_SMOOTH) {
+        add_smooth(view, tile, particle, &s, sprite_falloff(size), depth);
+    } else if (sprite_reaches(s.x, tile->texels.columns) && sprite_reaches(s.y, tile->texels.rows)) {
+        add_deposit(view, tile, particle, &s, depth);
+    }
+}
+
+void mns_cut_thickness(const struct splat_view *view, struct splat_tile *tile, size_t chunk, uint64_t which, const struct cut_scene *scene)
 {
     for (size_t i = chunk * CHUNK_SIZE; i < sprite_chunk_end(view, chunk); i++) {
-        float q[3], radius = sprite_radius(view, i);
-        sprite_center(view, i, q);
-        if (scene && q[2] - radius >= scene->farthest) {
-            continue;
-        }
-        const struct plane *depth = scene && q[2] + radius > scene->nearest ? scene->depth : NULL;
-        if (!view->orthographic && q[2] < CLOSE_RADII * radius) {
-            add_chords(view, tile, i, depth);
-            continue;
-        }
-        struct sprite s = sprite_project(view, &tile->texels, i);
-        float size = sprite_size(view, &tile->texels, &s);
-        enum sprite_form form = sprite_form_of(view, size);
-        if (form == SPRITE_CHORD) {
-            add_chords(view, tile, i, depth);
-        } else if (form == SPRITE_SMOOTH) {
-            add_smooth(view, tile, i, &s, sprite_falloff(size), depth);
-        } else if (sprite_reaches(s.x, tile->texels.columns) && sprite_reaches(s.y, tile->texels.rows)) {
-            add_deposit(view, tile, i, &s, depth);
+        if (which >> i % CHUNK_SIZE & 1) {
+            cut_sphere(view, tile, i, scene);
         }
     }
 }

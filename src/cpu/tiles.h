@@ -2,7 +2,7 @@
 #ifndef MNS_CPU_TILES_H
 #define MNS_CPU_TILES_H
 
-#include "cpu/splat.h"
+#include "cpu/splat_cut.h"
 
 #include <stdint.h>
 
@@ -25,7 +25,7 @@ struct tile_scratch {
     struct tile_entry *list; /* the tile's chunks in the order of the store */
     uint32_t *order;         /* their places in the list, front to back */
     size_t list_capacity, order_capacity;
-    struct depth_range scene[TILE_BLOCKS]; /* of the scene's depth in each 16 x 8 pixels, where it can cut fluid */
+    struct cut_scene scene; /* where it can cut fluid */
     size_t particles_splatted, pixels_covered;
 };
 

@@ -213,10 +213,15 @@ static void add_deposit(const struct splat_view *view, struct splat_tile *tile, 
     tile->deposited = true;
 }
 
-static void thickness(const struct splat_view *view, struct splat_tile *tile, size_t chunk)
+static uint64_t thickness(const struct splat_view *view, struct splat_tile *tile, size_t chunk, float end)
 {
+    uint64_t left_out = 0;
     for (size_t i = chunk * CHUNK_SIZE; i < sprite_chunk_end(view, chunk); i++) {
         struct sprite s = sprite_project(view, &tile->texels, i);
+        if (s.q[2] + s.radius > end) {
+            left_out |= (uint64_t)1 << i % CHUNK_SIZE;
+            continue;
+        }
         float size = sprite_size(view, &tile->texels, &s);
         enum sprite_form form = sprite_form_of(view, size);
         if (form == SPRITE_DEPOSIT) {
@@ -225,6 +230,7 @@ static void thickness(const struct splat_view *view, struct splat_tile *tile, si
             add_places(view, tile, &s, i, form == SPRITE_SMOOTH ? sprite_falloff(size) : 0);
         }
     }
+    return left_out;
 }
 
 /* |v|^2 of the ray through place (x, y) of the grid. */

@@ -377,13 +377,21 @@ static void add_deposits(const struct splat_view *view, struct splat_tile *tile,
     tile->deposited = true;
 }
 
-static void thickness(const struct splat_view *view, struct splat_tile *tile, size_t chunk)
+static uint64_t thickness(const struct splat_view *view, struct splat_tile *tile, size_t chunk, float end)
 {
-    vf per_metre = vf_set1(0.5f * (tile->texels.fx + tile->texels.fy));
-    for (size_t first = chunk * CHUNK_SIZE; first < (chunk + 1) * CHUNK_SIZE; first += VLEN) {
+    uint64_t left_out = 0;
+    vf per_metre = vf_set1(0.5f * (tile->texels.fx + tile->texels.fy)), deposit_below = vf_set1(view->scale > 1 ? DEPOSIT_RADIUS : 0);
+    for (size_t i = 0; i < CHUNK_SIZE; i += VLEN) {
+        size_t first = chunk * CHUNK_SIZE + i;
         struct spheres s = project(view, &tile->texels, first);
-        vf size = per_metre * (view->orthographic ? s.radius : s.rho), weight = weight_of(view, first, s.radius);
-        vm real = present(view, first), small = view->scale > 1 ? vf_lt(size, vf_set1(DEPOSIT_RADIUS)) : vf_lt(size, vf_zero());
+        vf size = per_metre * s.radius;
+        if (!view->orthographic) {
+            size = per_metre * s.rho;
+        }
+        vf weight = weight_of(view, first, s.radius);
+        vm real = present(view, first), before = vf_le(s.z + s.radius, vf_set1(end)), small = vf_lt(size, deposit_below);
+        left_out |= (uint64_t)vm_bits(vm_and(real, vm_not(before))) << i;
+        real = vm_and(real, before);
         if (vm_any(small)) {
             add_deposits(view, tile, &s, first, vm_and(real, small), weight);
         }
@@ -391,6 +399,7 @@ static void thickness(const struct splat_view *view, struct splat_tile *tile, si
             add_places(view, tile, &s, first, vm_and(real, vm_not(small)), size, weight);
         }
     }
+    return left_out;
 }
 
 /* What |v|^2 along a row of a grid is made of: across + ((x + 0.5 - center) per_focal)^2; orthographic: 1. */
