@@ -208,7 +208,7 @@ mns_result mns_camera_frame(struct mns_camera *camera, const double bounds_min[3
         reach_y = fmax(reach_y, fabs(box.y[corner]));
     }
 
-    static const double room = 1.04; /* around the box */
+    static const double room = 1.08; /* around the box */
     double aspect = (double)camera->width / camera->height, tan_y = tan(fov_y * PI / 360), pan[2] = {0, 0};
     double distance = fov_y > 0 ? fit_perspective(&box, tan_y * aspect, tan_y, room, pan) : 2 * diagonal;
     double eye[3], target[3];
