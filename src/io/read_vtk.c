@@ -88,12 +88,12 @@ static struct bytes decode_name(struct bytes encoded, char out[256])
         char c = (char)encoded.data[i];
         if (c == '%' && i + 2 < encoded.size) {
             const char *high = memchr(digits, encoded.data[i + 1] | 0x20, 16), *low = memchr(digits, encoded.data[i + 2] | 0x20, 16);
-            if (high && low && (high != digits || low != digits)) {
+            if (high && low) {
                 c = (char)((high - digits) << 4 | (low - digits));
                 i += 2;
             }
         }
-        out[size++] = c;
+        out[size++] = c != '\0' ? c : '?';
     }
     return (struct bytes){(const uint8_t *)out, size};
 }

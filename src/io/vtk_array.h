@@ -29,7 +29,7 @@ struct vtk_arrays {
     size_t count, capacity;
 };
 
-/* Adds an array, whose name is copied (it need not end in a NUL). NULL: failed, message set. */
+/* Adds an array, whose name is copied: it holds no NUL, and need not end in one. NULL: failed, message set. */
 struct vtk_array *mns_vtk_add(struct read_context *context, struct vtk_arrays *arrays, const struct vtk_array *array, struct bytes name);
 void mns_vtk_free(struct read_context *context, struct vtk_arrays *arrays);
 

@@ -125,6 +125,7 @@ def main():
     for binary in (False, True):
         for dataset in ('UNSTRUCTURED_GRID', 'POLYDATA'):
             seed(f'vtk/{dataset.lower()}_{"binary" if binary else "ascii"}.vtk', legacy_vtk(binary, dataset))
+    seed('vtk/nul_in_name.vtk', legacy_vtk(False, 'POLYDATA').replace(b'density', b'dens\0\0ity'))
     for folder, kind in (('vtu', 'UnstructuredGrid'), ('vtp', 'PolyData')):
         seed(f'{folder}/ascii.{folder}', xml(kind, 'ascii'))
         seed(f'{folder}/base64.{folder}', xml(kind, 'base64', header='UInt64'))

@@ -191,8 +191,9 @@ static void kinds_of_numbers(void **state)
     add_text(&blob, "# vtk DataFile Version 4.2\r\nt\r\nBINARY\r\nDATASET POLYDATA\r\nPOINTS 1 float\r\n");
     for (int i = 0; i < 3; i++)
         add_float(&blob, (float)i, 1);
-    add_text(&blob, "\r\nPOINT_DATA 1\r\nFIELD f 1\r\nbits 9 1 bit\r\n\xa0\x80\r\nCOLOR_SCALARS color 3\r\nabc");
+    add_text(&blob, "\r\nPOINT_DATA 1\r\nFIELD f 2\r\nx%00y 1 1 unsigned_char\r\n!\r\nbits 9 1 bit\r\n\xa0\x80\r\nCOLOR_SCALARS color 3\r\nabc");
     set = read_blob(blob.data, blob.size, "a.vtk", NULL);
+    assert_non_null(find_attribute(set, "x?y"));
     assert_memory_equal(find_attribute(set, "bits")->data, "\1\0\1\0\0\0\0\0\1", 9);
     assert_memory_equal(find_attribute(set, "color")->data, "abc", 3);
     mns_particle_set_destroy(&set);
