@@ -13,8 +13,9 @@ struct packing {
     struct bytes data; /* behind the header; in base64 as text, with more behind it */
     size_t skip;       /* bytes of the header in data's base64 stream */
     size_t blocks, block_bytes, last_bytes, packed_bytes;
-    const uint8_t *sizes;                 /* [blocks], of the packed blocks */
-    uint8_t *header; size_t header_bytes; /* what base64 was decoded to; NULL: nothing was */
+    const uint8_t *sizes; /* [blocks], of the packed blocks */
+    uint8_t *header;      /* what base64 was decoded to; NULL: nothing was */
+    size_t header_bytes;
 };
 
 static const struct vtk_packed *packed_of(const struct vtk_source *source)
@@ -115,9 +116,9 @@ static mns_result open_compressed(const struct vtk_packed *packed, const struct 
     uint64_t block = load(packed, numbers + size), last = load(packed, numbers + 2 * size);
     uint64_t whole = packing->blocks - (last != 0);
     if (last > wanted || (whole > 0 && (block == 0 || block > wanted / whole)) || whole * block + last != wanted)
-        return mns_read_fail(packed->source.context, MNS_ERR_BAD_DATA, "'%s' is packed as %zu blocks of %llu bytes, the last of %llu; that are not the %zu "
-                             "bytes that should be there", mns_vtk_name(array), packing->blocks, (unsigned long long)block, (unsigned long long)last,
-                             wanted);
+        return mns_read_fail(packed->source.context, MNS_ERR_BAD_DATA, "'%s' is packed as %zu blocks of %llu bytes, the last of %llu; that are not "
+                             "the %zu bytes that should be there", mns_vtk_name(array), packing->blocks, (unsigned long long)block,
+                             (unsigned long long)last, wanted);
     packing->block_bytes = (size_t)block;
     packing->last_bytes = last != 0 ? (size_t)last : (size_t)block;
     packing->sizes = numbers + 3 * size;

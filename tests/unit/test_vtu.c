@@ -200,24 +200,30 @@ static void every_encoding_is_read(void **state)
     }
 }
 
+/* From a file, whose bytes are the reader's own: at every distance from an aligned address. */
 static void raw_data_stay_in_place(void **state)
 {
     (void)state;
-    const struct kind kind = {.coding = APPENDED_RAW, .header = 8, .pieces = 1};
-    struct blob blob;
-    struct mns_message message;
-    mns_particle_set *set;
-    make(&blob, &kind);
-    FILE *file = fopen("test_vtu_raw.vtu", "wb");
-    assert_non_null(file);
-    assert_int_equal(fwrite(blob.data, 1, blob.size, file), blob.size);
-    assert_int_equal(fclose(file), 0);
-    mns_result result = mns_particle_set_read(&set, "test_vtu_raw.vtu", NULL, &message);
-    remove("test_vtu_raw.vtu");
-    if (result != MNS_OK)
-        fail_msg("%s", message.text);
-    check(set, &kind);
-    mns_particle_set_destroy(&set);
+    for (int i = 0; i < 8 * 2 * 2 * 2; i++) {
+        const struct kind kind = {.coding = APPENDED_RAW, .header = i & 8 ? 8 : 4, .pieces = 1 + (i >> 4 & 1), .big_endian = i >> 5};
+        struct blob blob;
+        struct mns_message message;
+        mns_particle_set *set;
+        make(&blob, &kind);
+        size_t declaration = strlen("<?xml version=\"1.0\"?>"), blanks = (size_t)(i & 7);
+        FILE *file = fopen("test_vtu_raw.vtu", "wb");
+        assert_non_null(file);
+        assert_int_equal(fwrite(blob.data, 1, declaration, file), declaration);
+        assert_int_equal(fwrite("        ", 1, blanks, file), blanks);
+        assert_int_equal(fwrite(blob.data + declaration, 1, blob.size - declaration, file), blob.size - declaration);
+        assert_int_equal(fclose(file), 0);
+        mns_result result = mns_particle_set_read(&set, "test_vtu_raw.vtu", NULL, &message);
+        remove("test_vtu_raw.vtu");
+        if (result != MNS_OK)
+            fail_msg("%s", message.text);
+        check(set, &kind);
+        mns_particle_set_destroy(&set);
+    }
 }
 
 #ifdef MNS_HAVE_LZMA
