@@ -23,10 +23,7 @@ struct steps {
 
 static const char *const types[] = {"Collection", NULL};
 
-static int probe(struct bytes head)
-{
-    return mns_xml_probe(head, types);
-}
+static int probe(struct bytes head) { return mns_xml_probe(head, types); }
 
 static mns_result start_step(struct steps *steps, const char *const *attributes)
 {
@@ -37,8 +34,8 @@ static mns_result start_step(struct steps *steps, const char *const *attributes)
     if (time) {
         const char *end = time + strlen(time), *after = mns_parse_double(time, end, &step.time);
         if (!after || after != end || !isfinite(step.time))
-            return mns_read_fail(steps->context, MNS_ERR_BAD_DATA, "<DataSet> %zu has timestep=\"%.60s\" where a number should be", steps->count + 1,
-                                 time);
+            return mns_read_fail(steps->context, MNS_ERR_BAD_DATA, "<DataSet> %zu has timestep=\"%.60s\" where a number should be",
+                                 steps->count + 1, time);
     }
     struct step *items = mns_vtk_grow(steps->context, steps->items, &steps->capacity, steps->count, sizeof(*items));
     if (!items)
@@ -171,15 +168,9 @@ mns_result mns_pvd_read(mns_pvd **out, const char *path, struct mns_message *mes
     return result;
 }
 
-size_t mns_pvd_count(const mns_pvd *pvd)
-{
-    return pvd->count;
-}
+size_t mns_pvd_count(const mns_pvd *pvd) { return pvd->count; }
 
-const struct mns_pvd_step *mns_pvd_get(const mns_pvd *pvd, size_t index)
-{
-    return index < pvd->count ? &pvd->steps[index] : NULL;
-}
+const struct mns_pvd_step *mns_pvd_get(const mns_pvd *pvd, size_t index) { return index < pvd->count ? &pvd->steps[index] : NULL; }
 
 void mns_pvd_destroy(mns_pvd **pvd)
 {

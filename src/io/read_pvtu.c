@@ -14,10 +14,7 @@ struct pvtu {
 
 static const char *const types[] = {"PUnstructuredGrid", "PPolyData", NULL};
 
-static int probe(struct bytes head)
-{
-    return mns_xml_probe(head, types);
-}
+static int probe(struct bytes head) { return mns_xml_probe(head, types); }
 
 static mns_result start_piece(struct pvtu *pvtu, const char *source)
 {
@@ -64,7 +61,8 @@ static mns_result read_pvtu(struct read_context *context, struct bytes file)
     struct vtk_xml xml = {.context = context, .file = file, .types = types, .user = &pvtu, .start = start};
     /* Only a .pvd may name a .pvtu: a few small files that name each other many times would be read without end. */
     if (context->depth > 1 || (context->depth == 1 && strcmp(context->set->format, "pvd") != 0))
-        return mns_read_fail(context, MNS_ERR_BAD_DATA, "is named as a piece, but has pieces itself: those of a .pvtu or .pvtp are .vtu or .vtp files");
+        return mns_read_fail(context, MNS_ERR_BAD_DATA,
+                             "is named as a piece, but has pieces itself: those of a .pvtu or .pvtp are .vtu or .vtp files");
     mns_result result = mns_xml_parse(&xml);
     if (result == MNS_OK)
         result = read_pieces(&pvtu);

@@ -32,7 +32,8 @@ struct vtu {
 
 static mns_result bad_value(const struct vtu *vtu, const char *element, const char *attribute, const char *value, const char *wanted)
 {
-    return mns_read_fail(vtu->context, MNS_ERR_BAD_DATA, "<%s %s=\"%.60s\"> where %s should be", element, attribute, value ? value : "", wanted);
+    return mns_read_fail(vtu->context, MNS_ERR_BAD_DATA, "<%s %s=\"%.60s\"> where %s should be", element, attribute, value ? value : "",
+                         wanted);
 }
 
 static mns_result set_compressor(struct vtu *vtu, const char *name)
@@ -98,7 +99,7 @@ static bool parse_type(const char *name, enum mns_type *out)
     static const struct {
         const char *name;
         enum mns_type type;
-    } types[] = {{"Float32", MNS_F32}, {"Float64", MNS_F64}, {"Int8", MNS_I8},   {"UInt8", MNS_U8},   {"Int16", MNS_I16},
+    } types[] = {{"Float32", MNS_F32}, {"Float64", MNS_F64}, {"Int8", MNS_I8},    {"UInt8", MNS_U8},  {"Int16", MNS_I16},
                  {"UInt16", MNS_U16},  {"Int32", MNS_I32},   {"UInt32", MNS_U32}, {"Int64", MNS_I64}, {"UInt64", MNS_U64}};
     for (size_t i = 0; i < sizeof(types) / sizeof(types[0]); i++) {
         if (strcmp(name, types[i].name) == 0) {
@@ -159,28 +160,24 @@ static mns_result start(struct vtk_xml *xml, const char *name, const char *const
 {
     struct vtu *vtu = xml->user;
     switch (xml->depth) {
-    case 0:
-        return start_file(vtu, attributes);
+    case 0: return start_file(vtu, attributes);
     case 1:
         vtu->in_grid = strcmp(name, vtu->type) == 0;
         vtu->has_grid |= vtu->in_grid;
         return strcmp(name, "AppendedData") == 0 ? start_appended(vtu, xml, attributes) : MNS_OK;
-    case 2:
-        return vtu->in_grid && strcmp(name, "Piece") == 0 ? start_piece(vtu, attributes) : MNS_OK;
+    case 2: return vtu->in_grid && strcmp(name, "Piece") == 0 ? start_piece(vtu, attributes) : MNS_OK;
     case 3:
         if (vtu->in_piece && strcmp(name, "Points") == 0)
             vtu->section = SECTION_POINTS;
         else if (vtu->in_piece && strcmp(name, "PointData") == 0)
             vtu->section = SECTION_POINT_DATA;
         return MNS_OK;
-    case 4:
-        return vtu->section != SECTION_NONE && strcmp(name, "DataArray") == 0 ? start_array(vtu, xml, attributes) : MNS_OK;
+    case 4: return vtu->section != SECTION_NONE && strcmp(name, "DataArray") == 0 ? start_array(vtu, xml, attributes) : MNS_OK;
     case 5:
         if (vtu->in_array)
             end_text(vtu, xml);
         return MNS_OK;
-    default:
-        return MNS_OK;
+    default: return MNS_OK;
     }
 }
 
@@ -246,8 +243,9 @@ static mns_result place_appended(struct vtu *vtu, struct bytes file)
         if (!data.data)
             return mns_read_fail(vtu->context, MNS_ERR_BAD_DATA, "has no <AppendedData>, where '%s' should be", mns_vtk_name(array));
         if (array->offset > data.size)
-            return mns_read_fail(vtu->context, MNS_ERR_BAD_DATA, "ends early: '%s' should begin at byte %llu of the appended data, which have %zu",
-                                 mns_vtk_name(array), (unsigned long long)array->offset, data.size);
+            return mns_read_fail(vtu->context, MNS_ERR_BAD_DATA,
+                                 "ends early: '%s' should begin at byte %llu of the appended data, which have %zu", mns_vtk_name(array),
+                                 (unsigned long long)array->offset, data.size);
         array->coding = vtu->appended_raw ? VTK_RAW : VTK_BASE64;
         array->data = (struct bytes){data.data + array->offset, data.size - (size_t)array->offset};
     }
@@ -289,25 +287,13 @@ static mns_result read_grid(struct read_context *context, struct bytes file, con
 static const char *const vtu_types[] = {"UnstructuredGrid", NULL};
 static const char *const vtp_types[] = {"PolyData", NULL};
 
-static int probe_vtu(struct bytes head)
-{
-    return mns_xml_probe(head, vtu_types);
-}
+static int probe_vtu(struct bytes head) { return mns_xml_probe(head, vtu_types); }
 
-static int probe_vtp(struct bytes head)
-{
-    return mns_xml_probe(head, vtp_types);
-}
+static int probe_vtp(struct bytes head) { return mns_xml_probe(head, vtp_types); }
 
-static mns_result read_vtu(struct read_context *context, struct bytes file)
-{
-    return read_grid(context, file, vtu_types);
-}
+static mns_result read_vtu(struct read_context *context, struct bytes file) { return read_grid(context, file, vtu_types); }
 
-static mns_result read_vtp(struct read_context *context, struct bytes file)
-{
-    return read_grid(context, file, vtp_types);
-}
+static mns_result read_vtp(struct read_context *context, struct bytes file) { return read_grid(context, file, vtp_types); }
 
 const struct mns_reader mns_reader_vtu = {"vtu", "vtu", probe_vtu, read_vtu};
 const struct mns_reader mns_reader_vtp = {"vtp", "vtp", probe_vtp, read_vtp};

@@ -18,10 +18,7 @@ struct packing {
     size_t header_bytes;
 };
 
-static const struct vtk_packed *packed_of(const struct vtk_source *source)
-{
-    return (const struct vtk_packed *)(const void *)source;
-}
+static const struct vtk_packed *packed_of(const struct vtk_source *source) { return (const struct vtk_packed *)(const void *)source; }
 
 static uint64_t load(const struct vtk_packed *packed, const uint8_t *p)
 {
@@ -72,7 +69,8 @@ static mns_result open_plain(const struct vtk_packed *packed, const struct vtk_a
 }
 
 /* Takes the header of compressed data, all (3 + blocks) numbers; *numbers: where they stand. */
-static mns_result take_header(const struct vtk_packed *packed, const struct vtk_array *array, struct packing *packing, const uint8_t **numbers)
+static mns_result take_header(const struct vtk_packed *packed, const struct vtk_array *array, struct packing *packing,
+                              const uint8_t **numbers)
 {
     uint8_t first[8];
     size_t size = packed->header_size, used;
@@ -116,9 +114,10 @@ static mns_result open_compressed(const struct vtk_packed *packed, const struct 
     uint64_t block = load(packed, numbers + size), last = load(packed, numbers + 2 * size);
     uint64_t whole = packing->blocks - (last != 0);
     if (last > wanted || (whole > 0 && (block == 0 || block > wanted / whole)) || whole * block + last != wanted)
-        return mns_read_fail(packed->source.context, MNS_ERR_BAD_DATA, "'%s' is packed as %zu blocks of %llu bytes, the last of %llu; that are not "
-                             "the %zu bytes that should be there", mns_vtk_name(array), packing->blocks, (unsigned long long)block,
-                             (unsigned long long)last, wanted);
+        return mns_read_fail(packed->source.context, MNS_ERR_BAD_DATA,
+                             "'%s' is packed as %zu blocks of %llu bytes, the last of %llu; that are not "
+                             "the %zu bytes that should be there",
+                             mns_vtk_name(array), packing->blocks, (unsigned long long)block, (unsigned long long)last, wanted);
     packing->block_bytes = (size_t)block;
     packing->last_bytes = last != 0 ? (size_t)last : (size_t)block;
     packing->sizes = numbers + 3 * size;
@@ -130,8 +129,10 @@ static mns_result open_compressed(const struct vtk_packed *packed, const struct 
         packing->packed_bytes += (size_t)bytes;
     }
     if (mns_is_bomb(packed->source.context, packing->packed_bytes, wanted))
-        return mns_read_fail(packed->source.context, MNS_ERR_BAD_DATA, "'%s' unpacks to %zu bytes from %zu, which no particles do; set max_bytes if it "
-                             "is meant so", mns_vtk_name(array), wanted, packing->packed_bytes);
+        return mns_read_fail(packed->source.context, MNS_ERR_BAD_DATA,
+                             "'%s' unpacks to %zu bytes from %zu, which no particles do; set max_bytes if it "
+                             "is meant so",
+                             mns_vtk_name(array), wanted, packing->packed_bytes);
     return MNS_OK;
 }
 
@@ -142,8 +143,9 @@ static mns_result open_array(const struct vtk_packed *packed, const struct vtk_a
     if (array->coding == VTK_TEXT) {
         if (elements <= array->data.size / 2 + 1)
             return MNS_OK;
-        return mns_read_fail(packed->source.context, MNS_ERR_BAD_DATA, "'%s' has %zu characters, which cannot be the %zu numbers that should be there",
-                             mns_vtk_name(array), array->data.size, elements);
+        return mns_read_fail(packed->source.context, MNS_ERR_BAD_DATA,
+                             "'%s' has %zu characters, which cannot be the %zu numbers that should be there", mns_vtk_name(array),
+                             array->data.size, elements);
     }
     return packed->compressed ? open_compressed(packed, array, wanted, packing) : open_plain(packed, array, wanted, packing);
 }

@@ -26,7 +26,8 @@ mns_result mns_pvd_read(mns_pvd **out, const char *path, struct mns_message *mes
 {
     if (out)
         *out = NULL;
-    return mns_fail(message, MNS_ERR_UNSUPPORTED, "%s: is a VTK XML file, which this build cannot read: build with expat", path ? path : "(no path)");
+    return mns_fail(message, MNS_ERR_UNSUPPORTED, "%s: is a VTK XML file, which this build cannot read: build with expat",
+                    path ? path : "(no path)");
 }
 
 size_t mns_pvd_count(const mns_pvd *pvd)
@@ -41,7 +42,4 @@ const struct mns_pvd_step *mns_pvd_get(const mns_pvd *pvd, size_t index)
     return NULL;
 }
 
-void mns_pvd_destroy(mns_pvd **pvd)
-{
-    (void)pvd; /* none was made */
-}
+void mns_pvd_destroy(mns_pvd **pvd) { (void)pvd; /* none was made */ }

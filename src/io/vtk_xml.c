@@ -26,7 +26,8 @@ static mns_result check_root(struct vtk_xml *xml, const char *name, const char *
     for (size_t i = 0; xml->types[i]; i++)
         if (type && strcmp(type, xml->types[i]) == 0)
             return MNS_OK;
-    return mns_read_fail(xml->context, MNS_ERR_BAD_DATA, "is a VTKFile of type '%.60s' where '%s' should be", type ? type : "", xml->types[0]);
+    return mns_read_fail(xml->context, MNS_ERR_BAD_DATA, "is a VTKFile of type '%.60s' where '%s' should be", type ? type : "",
+                         xml->types[0]);
 }
 
 static bool locate(struct vtk_xml *xml)
@@ -159,7 +160,8 @@ int mns_xml_probe(struct bytes head, const char *const *types)
         type = find(type + 1, close, "type=");
     for (size_t i = 0; type && types[i]; i++) {
         size_t length = strlen(types[i]);
-        if ((size_t)(close - type) >= 7 + length && memcmp(type + 6, types[i], length) == 0 && (type[6 + length] == '"' || type[6 + length] == '\''))
+        if ((size_t)(close - type) >= 7 + length && memcmp(type + 6, types[i], length) == 0 &&
+            (type[6 + length] == '"' || type[6 + length] == '\''))
             return 2;
     }
     return 0;

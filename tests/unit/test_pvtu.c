@@ -12,17 +12,15 @@
 #else
 #include <direct.h>
 #define make_folder(path) _mkdir(path)
-#define rmdir _rmdir
+#define rmdir             _rmdir
 #endif
 
 #define FOLDER "test_pvtu_files"
 
-static const char *const files[] = {"a.vtp", "sub/b.vtp", "loop.pvtp", "nested.pvtp", "all.pvtp", "bad.pvtp", "all.pvd", "loop.pvd", "of_pvtp.pvd"};
+static const char *const files[] = {"a.vtp",    "sub/b.vtp", "loop.pvtp", "nested.pvtp", "all.pvtp",
+                                    "bad.pvtp", "all.pvd",   "loop.pvd",  "of_pvtp.pvd"};
 
-static void path_of(char out[256], const char *name)
-{
-    snprintf(out, 256, FOLDER "/%s", name);
-}
+static void path_of(char out[256], const char *name) { snprintf(out, 256, FOLDER "/%s", name); }
 
 static void write_file(const char *name, const char *text)
 {
@@ -37,19 +35,23 @@ static void write_file(const char *name, const char *text)
 static void write_piece(const char *name, int first, int count)
 {
     char text[2048];
-    int used = snprintf(text, sizeof(text), "<VTKFile type=\"PolyData\"><PolyData><Piece NumberOfPoints=\"%d\"><PointData><DataArray type=\"Int32\" "
-                        "Name=\"id\" format=\"ascii\">", count);
+    int used = snprintf(text, sizeof(text),
+                        "<VTKFile type=\"PolyData\"><PolyData><Piece NumberOfPoints=\"%d\"><PointData><DataArray type=\"Int32\" "
+                        "Name=\"id\" format=\"ascii\">",
+                        count);
     for (int i = 0; i < count; i++)
         used += snprintf(text + used, sizeof(text) - (size_t)used, "%d ", first + i);
-    used += snprintf(text + used, sizeof(text) - (size_t)used, "</DataArray></PointData><Points><DataArray type=\"Float32\" format=\"ascii\">");
+    used +=
+        snprintf(text + used, sizeof(text) - (size_t)used, "</DataArray></PointData><Points><DataArray type=\"Float32\" format=\"ascii\">");
     for (int i = 0; i < count; i++)
         used += snprintf(text + used, sizeof(text) - (size_t)used, "%d 0 1 ", first + i);
     snprintf(text + used, sizeof(text) - (size_t)used, "</DataArray></Points></Piece></PolyData></VTKFile>");
     write_file(name, text);
 }
 
-#define PARALLEL(pieces) \
-    "<VTKFile type=\"PPolyData\"><PPolyData GhostLevel=\"0\"><PPointData><PDataArray type=\"Int32\" Name=\"id\"/></PPointData>" pieces "</PPolyData></VTKFile>"
+#define PARALLEL(pieces)                                                                                                                   \
+    "<VTKFile type=\"PPolyData\"><PPolyData GhostLevel=\"0\"><PPointData><PDataArray type=\"Int32\" Name=\"id\"/></PPointData>" pieces     \
+    "</PPolyData></VTKFile>"
 #define SERIES(steps) "<?xml version=\"1.0\"?><VTKFile type=\"Collection\" version=\"0.1\"><Collection>" steps "</Collection></VTKFile>"
 
 static int set_up(void **state)
@@ -63,9 +65,10 @@ static int set_up(void **state)
     write_file("loop.pvtp", PARALLEL("<Piece Source=\"loop.pvtp\"/>"));
     write_file("nested.pvtp", PARALLEL("<Piece Source=\"all.pvtp\"/>"));
     write_file("bad.pvtp", PARALLEL("<Piece Source=\"a.vtp\"/><Piece Source=\"missing.vtp\"/>"));
-    write_file("all.pvd", SERIES("<DataSet timestep=\"2.5\" part=\"0\" file=\"sub/b.vtp\"/><DataSet timestep=\"1\" part=\"0\" file=\"a.vtp\"/>"
-                                 "<DataSet timestep=\"1\" part=\"1\" file=\"sub/b.vtp\"/><DataSet timestep=\"-3e-1\" file=\"all.pvtp\"/>"
-                                 "<DataSet timestep=\"7\" file=\"/abs/c&amp;d.vtu\"/>"));
+    write_file("all.pvd",
+               SERIES("<DataSet timestep=\"2.5\" part=\"0\" file=\"sub/b.vtp\"/><DataSet timestep=\"1\" part=\"0\" file=\"a.vtp\"/>"
+                      "<DataSet timestep=\"1\" part=\"1\" file=\"sub/b.vtp\"/><DataSet timestep=\"-3e-1\" file=\"all.pvtp\"/>"
+                      "<DataSet timestep=\"7\" file=\"/abs/c&amp;d.vtu\"/>"));
     write_file("loop.pvd", SERIES("<DataSet timestep=\"0\" file=\"loop.pvd\"/>"));
     write_file("of_pvtp.pvd", SERIES("<DataSet timestep=\"1\" file=\"a.vtp\"/><DataSet timestep=\"1\" file=\"sub/b.vtp\"/>"
                                      "<DataSet timestep=\"2\" file=\"a.vtp\"/>"));
@@ -144,14 +147,16 @@ static void refuse(const char *text, const char *name, mns_result code, const ch
 static void bad_files_are_refused(void **state)
 {
     (void)state;
-    refuse(PARALLEL("<Piece Source=\"a.vtp\"/>"), "a.pvtp", MNS_ERR_UNSUPPORTED, "names another file (a.vtp), which reading from memory does not open");
+    refuse(PARALLEL("<Piece Source=\"a.vtp\"/>"), "a.pvtp", MNS_ERR_UNSUPPORTED,
+           "names another file (a.vtp), which reading from memory does not open");
     refuse(PARALLEL("<Piece/>"), "a.pvtp", MNS_ERR_BAD_DATA, "has a <Piece> without Source=\"FILE\"");
     refuse("<VTKFile type=\"PPolyData\"></VTKFile>", "a.pvtp", MNS_ERR_BAD_DATA, "has no <PUnstructuredGrid> and no <PPolyData>");
     refuse("<VTKFile type=\"PPolyData\"><PPolyData>", "a.pvtp", MNS_ERR_BAD_DATA, "line 1 of the XML: ");
     refuse("<VTKFile type=\"Collection\"></VTKFile>", "a.pvd", MNS_ERR_BAD_DATA, "has no <Collection>");
     refuse(SERIES(""), "a.pvd", MNS_ERR_BAD_DATA, "its <Collection> has no <DataSet>");
     refuse(SERIES("<DataSet timestep=\"0\"/>"), "a.pvd", MNS_ERR_BAD_DATA, "<DataSet> 1 has no file=\"FILE\"");
-    refuse(SERIES("<DataSet timestep=\"1s\" file=\"a\"/>"), "a.pvd", MNS_ERR_BAD_DATA, "<DataSet> 1 has timestep=\"1s\" where a number should be");
+    refuse(SERIES("<DataSet timestep=\"1s\" file=\"a\"/>"), "a.pvd", MNS_ERR_BAD_DATA,
+           "<DataSet> 1 has timestep=\"1s\" where a number should be");
     refuse(SERIES("<DataSet timestep=\"nan\" file=\"a\"/>"), "a.pvd", MNS_ERR_BAD_DATA, "timestep=\"nan\"");
     refuse(SERIES("<DataSet file=\"a\"/>"), "a.pvd", MNS_ERR_UNSUPPORTED, "names another file (a)");
 }
@@ -159,8 +164,8 @@ static void bad_files_are_refused(void **state)
 static void time_steps_are_listed(void **state)
 {
     (void)state;
-    static const struct mns_pvd_step wanted[] = {{-0.3, FOLDER "/all.pvtp"}, {1, FOLDER "/a.vtp"}, {1, FOLDER "/sub/b.vtp"}, {2.5, FOLDER "/sub/b.vtp"},
-                                                 {7, "/abs/c&d.vtu"}};
+    static const struct mns_pvd_step wanted[] = {
+        {-0.3, FOLDER "/all.pvtp"}, {1, FOLDER "/a.vtp"}, {1, FOLDER "/sub/b.vtp"}, {2.5, FOLDER "/sub/b.vtp"}, {7, "/abs/c&d.vtu"}};
     mns_pvd *pvd;
     struct mns_message message;
     assert_int_equal(mns_pvd_read(&pvd, FOLDER "/all.pvd", &message), MNS_OK);
@@ -187,7 +192,7 @@ static void time_steps_are_listed(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(pieces_are_one_set),   cmocka_unit_test(a_collection_is_its_first_time), cmocka_unit_test(circles_are_refused),
+        cmocka_unit_test(pieces_are_one_set),    cmocka_unit_test(a_collection_is_its_first_time), cmocka_unit_test(circles_are_refused),
         cmocka_unit_test(bad_files_are_refused), cmocka_unit_test(time_steps_are_listed),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);

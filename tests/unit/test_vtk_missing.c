@@ -7,7 +7,8 @@ static void xml_is_refused_by_name(void **state)
     static const char text[] = "<?xml version=\"1.0\"?><VTKFile type=\"UnstructuredGrid\"></VTKFile>";
     mns_pvd *pvd;
     struct mns_message message;
-    refuses(text, sizeof(text) - 1, "a.vtu", NULL, MNS_ERR_UNSUPPORTED, "is a VTK XML file, which this build cannot read: build with expat");
+    refuses(text, sizeof(text) - 1, "a.vtu", NULL, MNS_ERR_UNSUPPORTED,
+            "is a VTK XML file, which this build cannot read: build with expat");
     assert_int_equal(mns_pvd_read(&pvd, "a.pvd", &message), MNS_ERR_UNSUPPORTED);
     assert_null(pvd);
     assert_non_null(strstr(message.text, "a.pvd: is a VTK XML file"));

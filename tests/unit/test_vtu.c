@@ -20,7 +20,8 @@ static void add_base64(struct blob *blob, const uint8_t *data, size_t size)
     static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     for (size_t i = 0; i < size; i += 3) {
         uint32_t bits = (uint32_t)data[i] << 16 | (i + 1 < size ? (uint32_t)data[i + 1] << 8 : 0) | (i + 2 < size ? data[i + 2] : 0);
-        char text[5] = {digits[bits >> 18], digits[bits >> 12 & 63], i + 1 < size ? digits[bits >> 6 & 63] : '=', i + 2 < size ? digits[bits & 63] : '=', 0};
+        char text[5] = {digits[bits >> 18], digits[bits >> 12 & 63], i + 1 < size ? digits[bits >> 6 & 63] : '=',
+                        i + 2 < size ? digits[bits & 63] : '=', 0};
         add_text(blob, text);
     }
 }
@@ -81,10 +82,7 @@ static void add_packed(struct blob *blob, const struct blob *data, const struct 
 }
 
 /* Component c of point i of an array: [0] position, [1] velocity, [2] id */
-static double wanted(int array, int i, int c)
-{
-    return array == 0 ? i + 0.25 * c : array == 1 ? -10.0 * i - c : 4000000000.0 + i;
-}
+static double wanted(int array, int i, int c) { return array == 0 ? i + 0.25 * c : array == 1 ? -10.0 * i - c : 4000000000.0 + i; }
 
 static void add_array(struct blob *xml, struct blob *appended, const struct kind *kind, int array, int first)
 {
@@ -92,8 +90,11 @@ static void add_array(struct blob *xml, struct blob *appended, const struct kind
     int components = array == 2 ? 1 : 3;
     struct blob data = {.size = 0};
     char text[256];
-    snprintf(text, sizeof(text), "<DataArray type=\"%s\" Name=\"%s\" NumberOfComponents=\"%d\" format=\"%s\"", types[array], names[array], components,
-             kind->coding == ASCII ? "ascii" : kind->coding == INLINE ? "binary" : "appended");
+    snprintf(text, sizeof(text), "<DataArray type=\"%s\" Name=\"%s\" NumberOfComponents=\"%d\" format=\"%s\"", types[array], names[array],
+             components,
+             kind->coding == ASCII    ? "ascii"
+             : kind->coding == INLINE ? "binary"
+                                      : "appended");
     add_text(xml, text);
     for (int i = first; i < first + POINTS; i++)
         for (int c = 0; c < components; c++) {
@@ -129,16 +130,21 @@ static void make(struct blob *xml, const struct kind *kind)
     struct blob appended = {.size = 0};
     char text[512];
     xml->size = 0;
-    snprintf(text, sizeof(text), "<?xml version=\"1.0\"?>\n<VTKFile type=\"%s\" version=\"1.0\" byte_order=\"%s\" header_type=\"%s\"%s>\n<%s>\n", type,
-             kind->big_endian ? "BigEndian" : "LittleEndian", kind->header == 8 ? "UInt64" : "UInt32", compressors[kind->compression], type);
+    snprintf(text, sizeof(text),
+             "<?xml version=\"1.0\"?>\n<VTKFile type=\"%s\" version=\"1.0\" byte_order=\"%s\" header_type=\"%s\"%s>\n<%s>\n", type,
+             kind->big_endian ? "BigEndian" : "LittleEndian", kind->header == 8 ? "UInt64" : "UInt32", compressors[kind->compression],
+             type);
     add_text(xml, text);
-    add_text(xml, "<FieldData><DataArray type=\"Float64\" Name=\"TimeValue\" NumberOfTuples=\"1\" format=\"ascii\">0.5</DataArray></FieldData>\n");
+    add_text(
+        xml,
+        "<FieldData><DataArray type=\"Float64\" Name=\"TimeValue\" NumberOfTuples=\"1\" format=\"ascii\">0.5</DataArray></FieldData>\n");
     for (int p = 0; p < kind->pieces; p++) {
         snprintf(text, sizeof(text), "<Piece NumberOfPoints=\"%d\" NumberOfCells=\"0\">\n<PointData>\n", (int)POINTS);
         add_text(xml, text);
         add_array(xml, &appended, kind, 1, p * POINTS);
         add_array(xml, &appended, kind, 2, p * POINTS);
-        add_text(xml, "<DataArray type=\"String\" Name=\"names\" format=\"ascii\">1 2 3</DataArray>\n</PointData>\n<CellData/>\n<Points>\n");
+        add_text(xml,
+                 "<DataArray type=\"String\" Name=\"names\" format=\"ascii\">1 2 3</DataArray>\n</PointData>\n<CellData/>\n<Points>\n");
         add_array(xml, &appended, kind, 0, p * POINTS);
         add_text(xml, "</Points>\n<Cells><DataArray type=\"Int64\" Name=\"connectivity\" format=\"ascii\"/></Cells>\n</Piece>\n");
     }
@@ -188,8 +194,13 @@ static void every_encoding_is_read(void **state)
 {
     (void)state;
     for (int i = 0; i < 4 * 3 * 2 * 2 * 2 * 2 * 2; i++) {
-        const struct kind kind = {.coding = (enum coding)(i & 3), .header = i & 4 ? 8 : 4, .big_endian = i >> 3 & 1, .polydata = i >> 4 & 1,
-                                  .pieces = 1 + (i >> 5 & 1), .apart = i >> 6 & 1, .compression = (enum compression)(i >> 7)};
+        const struct kind kind = {.coding = (enum coding)(i & 3),
+                                  .header = i & 4 ? 8 : 4,
+                                  .big_endian = i >> 3 & 1,
+                                  .polydata = i >> 4 & 1,
+                                  .pieces = 1 + (i >> 5 & 1),
+                                  .apart = i >> 6 & 1,
+                                  .compression = (enum compression)(i >> 7)};
         struct blob blob;
         if (!is_there(kind.compression))
             continue;
@@ -230,22 +241,26 @@ static void raw_data_stay_in_place(void **state)
 static void lzma_is_read(void **state)
 {
     (void)state;
-    static const uint8_t xz[] = {0xfd, 0x37, 0x7a, 0x58, 0x5a, 0x00, 0x00, 0x01, 0x69, 0x22, 0xde, 0x36, 0x02, 0x00, 0x21, 0x01,
-                                 0x16, 0x00, 0x00, 0x00, 0x74, 0x2f, 0xe5, 0xa3, 0x01, 0x00, 0x13, 0x00, 0x00, 0x7a, 0x44, 0x00,
-                                 0x40, 0x7a, 0x44, 0x00, 0x80, 0x7a, 0x44, 0x00, 0xc0, 0x7a, 0x44, 0x00, 0x00, 0x7b, 0x44, 0x00,
-                                 0x3b, 0x79, 0xb8, 0x16, 0x00, 0x01, 0x28, 0x14, 0xfc, 0xcf, 0x01, 0x67, 0x90, 0x42, 0x99, 0x0d,
-                                 0x01, 0x00, 0x00, 0x00, 0x00, 0x01, 0x59, 0x5a}; /* five floats, 1000 to 1004 */
+    static const uint8_t xz[] = {0xfd, 0x37, 0x7a, 0x58, 0x5a, 0x00, 0x00, 0x01, 0x69, 0x22, 0xde, 0x36, 0x02, 0x00, 0x21,
+                                 0x01, 0x16, 0x00, 0x00, 0x00, 0x74, 0x2f, 0xe5, 0xa3, 0x01, 0x00, 0x13, 0x00, 0x00, 0x7a,
+                                 0x44, 0x00, 0x40, 0x7a, 0x44, 0x00, 0x80, 0x7a, 0x44, 0x00, 0xc0, 0x7a, 0x44, 0x00, 0x00,
+                                 0x7b, 0x44, 0x00, 0x3b, 0x79, 0xb8, 0x16, 0x00, 0x01, 0x28, 0x14, 0xfc, 0xcf, 0x01, 0x67,
+                                 0x90, 0x42, 0x99, 0x0d, 0x01, 0x00, 0x00, 0x00, 0x00, 0x01, 0x59, 0x5a}; /* five floats, 1000 to 1004 */
     struct blob blob = {.size = 0}, header = {.size = 0};
-    add_text(&blob, "<VTKFile type=\"PolyData\" byte_order=\"LittleEndian\" compressor=\"vtkLZMADataCompressor\"><PolyData><Piece NumberOfPoints=\"5\">"
-                    "<PointData><DataArray type=\"Float32\" Name=\"density\" format=\"binary\">");
+    add_text(
+        &blob,
+        "<VTKFile type=\"PolyData\" byte_order=\"LittleEndian\" compressor=\"vtkLZMADataCompressor\"><PolyData><Piece NumberOfPoints=\"5\">"
+        "<PointData><DataArray type=\"Float32\" Name=\"density\" format=\"binary\">");
     add_integer(&header, 1, 4, 0);
     add_integer(&header, 20, 4, 0);
     add_integer(&header, 0, 4, 0);
     add_integer(&header, sizeof(xz), 4, 0);
     add_base64(&blob, header.data, header.size);
     add_base64(&blob, xz, sizeof(xz));
-    add_text(&blob, "</DataArray></PointData><Points><DataArray type=\"Float32\" format=\"ascii\">0 0 0 1 1 1 2 2 2 3 3 3 4 4 4</DataArray></Points>"
-                    "</Piece></PolyData></VTKFile>");
+    add_text(
+        &blob,
+        "</DataArray></PointData><Points><DataArray type=\"Float32\" format=\"ascii\">0 0 0 1 1 1 2 2 2 3 3 3 4 4 4</DataArray></Points>"
+        "</Piece></PolyData></VTKFile>");
     mns_particle_set *set = read_blob(blob.data, blob.size, "a.vtp", NULL);
     for (int i = 0; i < 5; i++)
         assert_true(value_of(mns_particle_set_particles(set)->density, (size_t)i, 0) == 1000.0 + i);
@@ -263,9 +278,9 @@ static void wrap(struct blob *blob, const char *attributes, const char *body)
     add_text(blob, body);
 }
 
-#define POINTS_OF(text) "<Points><DataArray type=\"Float32\" NumberOfComponents=\"3\" format=\"ascii\">" text "</DataArray></Points>"
+#define POINTS_OF(text)      "<Points><DataArray type=\"Float32\" NumberOfComponents=\"3\" format=\"ascii\">" text "</DataArray></Points>"
 #define PIECE(count, inside) "<Piece NumberOfPoints=\"" count "\">" inside "</Piece>"
-#define END "</PolyData></VTKFile>"
+#define END                  "</PolyData></VTKFile>"
 
 static mns_particle_set *read_body(const char *body)
 {
@@ -278,10 +293,11 @@ static void pieces_may_differ(void **state)
 {
     (void)state;
     /* one is empty, one lacks an array, one has its ghosts marked */
-    mns_particle_set *set = read_body(PIECE("0", "") PIECE("1", "<PointData><DataArray type=\"Int32\" Name=\"id\" format=\"ascii\">7</DataArray>"
-                                            "<DataArray type=\"Float32\" Name=\"rho\" format=\"ascii\">7</DataArray></PointData>" POINTS_OF("1 2 3"))
-                                      PIECE("2", "<PointData><DataArray type=\"Int32\" Name=\"id\" format=\"ascii\">8 9</DataArray><DataArray type=\"UInt8\" "
-                                            "Name=\"vtkGhostType\" format=\"ascii\">1 0</DataArray></PointData>" POINTS_OF("4 5 6 7 8 9")) END);
+    mns_particle_set *set = read_body(
+        PIECE("0", "") PIECE("1", "<PointData><DataArray type=\"Int32\" Name=\"id\" format=\"ascii\">7</DataArray>"
+                                  "<DataArray type=\"Float32\" Name=\"rho\" format=\"ascii\">7</DataArray></PointData>" POINTS_OF("1 2 3"))
+            PIECE("2", "<PointData><DataArray type=\"Int32\" Name=\"id\" format=\"ascii\">8 9</DataArray><DataArray type=\"UInt8\" "
+                       "Name=\"vtkGhostType\" format=\"ascii\">1 0</DataArray></PointData>" POINTS_OF("4 5 6 7 8 9")) END);
     const struct mns_particles *particles = mns_particle_set_particles(set);
     assert_int_equal(particles->count, 2);
     assert_vector(particles->position, 1, 7, 8, 9);
@@ -300,8 +316,9 @@ static void base64_may_have_blanks(void **state)
 {
     (void)state;
     /* 12 0 0 0, then three floats 1 2 3: DAAAAAAAgD8AAABAAABAQA== */
-    mns_particle_set *set = read_body(PIECE("1", "<Points><DataArray type=\"Float32\" NumberOfComponents=\"3\" format=\"binary\">\n  DAAA AAAAgD\n8AAA\tBAAABA QA\n=="
-                                            "\n</DataArray></Points>") END);
+    mns_particle_set *set = read_body(
+        PIECE("1", "<Points><DataArray type=\"Float32\" NumberOfComponents=\"3\" format=\"binary\">\n  DAAA AAAAgD\n8AAA\tBAAABA QA\n=="
+                   "\n</DataArray></Points>") END);
     assert_vector(mns_particle_set_particles(set)->position, 0, 1, 2, 3);
     mns_particle_set_destroy(&set);
 }
@@ -332,7 +349,8 @@ static void bad_xml_is_refused(void **state)
     refuse_file("<VTKFile type=\"ImageData\"/>", MNS_ERR_BAD_DATA, "of type 'ImageData' where 'PolyData' should be");
     refuse_file("<VTKFile type=\"PolyData\"></VTKFile>", MNS_ERR_BAD_DATA, "has no <PolyData>");
     refuse_file("<!DOCTYPE a [<!ENTITY b \"c\">]><VTKFile type=\"PolyData\"/>", MNS_ERR_BAD_DATA, "has a DOCTYPE");
-    refuse_file("<VTKFile type=\"PolyData\"><a><a><a><a><a><a><a><a><a><a><a><a><a><a><a><a><a><a><a>", MNS_ERR_BAD_DATA, "nested more than 16 deep");
+    refuse_file("<VTKFile type=\"PolyData\"><a><a><a><a><a><a><a><a><a><a><a><a><a><a><a><a><a><a><a>", MNS_ERR_BAD_DATA,
+                "nested more than 16 deep");
     refuse("byte_order=\"MiddleEndian\"", END, MNS_ERR_BAD_DATA, "byte_order=\"MiddleEndian\"> where LittleEndian or BigEndian should be");
     refuse("header_type=\"UInt16\"", END, MNS_ERR_BAD_DATA, "header_type=\"UInt16\"> where UInt32 or UInt64 should be");
     refuse("compressor=\"vtkZstdDataCompressor\"", END, MNS_ERR_UNSUPPORTED, "'vtkZstdDataCompressor'; zlib, lz4 and lzma are read");
@@ -353,7 +371,8 @@ static void bad_pieces_are_refused(void **state)
         {PIECE("1", "<Points><DataArray type=\"Float32\" NumberOfComponents=\"0\">1 2</DataArray></Points>"), "NumberOfComponents=\"0\""},
         {PIECE("1", "<Points><DataArray type=\"Float32\" format=\"hex\">1 2 3</DataArray></Points>"), "format=\"hex\""},
         {PIECE("1", "<Points><DataArray type=\"Float32\" format=\"appended\"/></Points>"), "offset=\"\""},
-        {PIECE("1", "<Points><DataArray type=\"Float32\" format=\"appended\" offset=\"1\"/></Points>"), "has no <AppendedData>, where 'Points' should be"},
+        {PIECE("1", "<Points><DataArray type=\"Float32\" format=\"appended\" offset=\"1\"/></Points>"),
+         "has no <AppendedData>, where 'Points' should be"},
         {PIECE("1", POINTS_OF("1.0 2.0")), "'Points' holds 2 numbers where 3 should be"},
         {PIECE("1", POINTS_OF("1 2 3 4")), "more than the 3 numbers"},
         {PIECE("1", POINTS_OF("1 two 3")), "number 2 of 'Points': 'two' is no float32"},
@@ -365,7 +384,8 @@ static void bad_pieces_are_refused(void **state)
         snprintf(body, sizeof(body), "%s%s", pieces[i][0], END);
         refuse("", body, MNS_ERR_BAD_DATA, pieces[i][1]);
     }
-    refuse("", PIECE("1", "<Points><DataArray type=\"Int32\" format=\"ascii\">1 2 3</DataArray></Points>") END, MNS_ERR_UNSUPPORTED, "positions of type int32");
+    refuse("", PIECE("1", "<Points><DataArray type=\"Int32\" format=\"ascii\">1 2 3</DataArray></Points>") END, MNS_ERR_UNSUPPORTED,
+           "positions of type int32");
 }
 
 /* One point whose position is appended, raw: these bytes. */
@@ -373,8 +393,11 @@ static void refuse_raw(const char *attributes, const char *offset, const struct 
 {
     struct blob blob;
     char body[512];
-    snprintf(body, sizeof(body), "<Piece NumberOfPoints=\"1\"><Points><DataArray type=\"Float32\" format=\"appended\" offset=\"%s\"/></Points></Piece></PolyData>"
-             "<AppendedData encoding=\"raw\">", offset);
+    snprintf(
+        body, sizeof(body),
+        "<Piece NumberOfPoints=\"1\"><Points><DataArray type=\"Float32\" format=\"appended\" offset=\"%s\"/></Points></Piece></PolyData>"
+        "<AppendedData encoding=\"raw\">",
+        offset);
     wrap(&blob, attributes, body);
     add(&blob, data->data, data->size);
     refuses(blob.data, blob.size, "a.vtp", NULL, MNS_ERR_BAD_DATA, words);
@@ -426,18 +449,22 @@ static void bad_headers_are_refused(void **state)
     refuse_raw(zlib, "0", &data, "a.vtp: 'Points', block 1 of 1: zlib data are corrupt");
 #endif
 
-    refuse(plain, PIECE("1", "<Points><DataArray type=\"Float32\" format=\"binary\">DAAA</DataArray></Points>") END, MNS_ERR_BAD_DATA, "ends early");
-    refuse(plain, PIECE("1", "<Points><DataArray type=\"Float32\" format=\"binary\">DAAAAAAAgD8A</DataArray></Points>") END, MNS_ERR_BAD_DATA, "ends early");
-    refuse(plain, PIECE("1", "<Points><DataArray type=\"Float32\" format=\"binary\">DAAAAAAAgD8A*ABAAABAQA==</DataArray></Points>") END, MNS_ERR_BAD_DATA,
+    refuse(plain, PIECE("1", "<Points><DataArray type=\"Float32\" format=\"binary\">DAAA</DataArray></Points>") END, MNS_ERR_BAD_DATA,
            "ends early");
+    refuse(plain, PIECE("1", "<Points><DataArray type=\"Float32\" format=\"binary\">DAAAAAAAgD8A</DataArray></Points>") END,
+           MNS_ERR_BAD_DATA, "ends early");
+    refuse(plain, PIECE("1", "<Points><DataArray type=\"Float32\" format=\"binary\">DAAAAAAAgD8A*ABAAABAQA==</DataArray></Points>") END,
+           MNS_ERR_BAD_DATA, "ends early");
 }
 
 /* A cut file is refused, whatever its kind: up to the last byte of data, which may be followed by two of padding. */
 static void cuts_are_seen(void **state)
 {
     (void)state;
-    static const struct kind kinds[] = {{.coding = ASCII, .header = 4, .pieces = 1}, {.coding = INLINE, .header = 4, .pieces = 1, .compression = LZ4},
-                                        {.coding = APPENDED_RAW, .header = 8, .pieces = 2}, {.coding = APPENDED_BASE64, .header = 8, .pieces = 1},
+    static const struct kind kinds[] = {{.coding = ASCII, .header = 4, .pieces = 1},
+                                        {.coding = INLINE, .header = 4, .pieces = 1, .compression = LZ4},
+                                        {.coding = APPENDED_RAW, .header = 8, .pieces = 2},
+                                        {.coding = APPENDED_BASE64, .header = 8, .pieces = 1},
                                         {.coding = APPENDED_RAW, .header = 4, .pieces = 1, .compression = ZLIB}};
     for (size_t k = 0; k < sizeof(kinds) / sizeof(kinds[0]); k++) {
         struct blob blob;
@@ -466,13 +493,12 @@ static void memory_is_bounded(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_encoding_is_read),  cmocka_unit_test(raw_data_stay_in_place),
+        cmocka_unit_test(every_encoding_is_read), cmocka_unit_test(raw_data_stay_in_place),
 #ifdef MNS_HAVE_LZMA
         cmocka_unit_test(lzma_is_read),
 #endif
-        cmocka_unit_test(pieces_may_differ),       cmocka_unit_test(base64_may_have_blanks),
-        cmocka_unit_test(bad_xml_is_refused),      cmocka_unit_test(bad_pieces_are_refused),
-        cmocka_unit_test(bad_headers_are_refused), cmocka_unit_test(cuts_are_seen),
+        cmocka_unit_test(pieces_may_differ),      cmocka_unit_test(base64_may_have_blanks),  cmocka_unit_test(bad_xml_is_refused),
+        cmocka_unit_test(bad_pieces_are_refused), cmocka_unit_test(bad_headers_are_refused), cmocka_unit_test(cuts_are_seen),
         cmocka_unit_test(memory_is_bounded),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
