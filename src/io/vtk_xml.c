@@ -1,6 +1,7 @@
 /* vtk_xml.c: VTK's XML files through expat: the root's type, where tags stand in the file, faults with their line.
  *
- * expat allocates for itself, in proportion to the longest tag: not counted against max_bytes. */
+ * expat allocates for itself, in proportion to the longest tag: not counted against max_bytes. It is given tags alone: pieces that end at a
+ * '>', and where that was the end of a tag, the text up to the next '<' is left out. */
 #include "io/vtk_xml.h"
 
 #include <expat.h>
@@ -8,7 +9,7 @@
 
 enum {
     DEPTH_MAX = 16, /* VTK's own files are six deep */
-    CHUNK = 65536   /* given to expat at a time; it copies them */
+    CHUNK = 65536   /* given to expat at a time, unless a tag is longer; it copies them */
 };
 
 static void stop_with(struct vtk_xml *xml, mns_result result)
@@ -34,8 +35,9 @@ static bool locate(struct vtk_xml *xml)
 {
     XML_Index at = XML_GetCurrentByteIndex(xml->parser);
     int size = XML_GetCurrentByteCount(xml->parser);
-    bool inside = at >= 0 && size >= 0 && (uint64_t)at <= xml->file.size && (size_t)size <= xml->file.size - (size_t)at;
-    xml->tag_at = inside ? (size_t)at : 0;
+    bool inside = at >= 0 && size >= 0 && (uint64_t)at <= xml->fed && (size_t)size <= xml->fed - (size_t)at;
+    xml->seen = inside ? (size_t)at + (size_t)size : 0;
+    xml->tag_at = inside ? (size_t)at + xml->skipped : 0;
     xml->tag_end = xml->tag_at + (inside ? (size_t)size : 0);
     return inside;
 }
@@ -83,6 +85,51 @@ static void XMLCALL on_doctype(void *user, const XML_Char *name, const XML_Char 
         stop_with(xml, mns_read_fail(xml->context, MNS_ERR_BAD_DATA, "has a DOCTYPE, which no VTK file has"));
 }
 
+/* A section of raw text could hide what looks like tags. */
+static void XMLCALL on_cdata(void *user)
+{
+    struct vtk_xml *xml = user;
+    if (xml->result == MNS_OK && !xml->stop)
+        stop_with(xml, mns_read_fail(xml->context, MNS_ERR_BAD_DATA, "has a CDATA section, which no VTK file has"));
+}
+
+/* How many bytes to give to expat: up to a '>', but no fewer than it has not finished, or a tag full of '>' would take the square of its
+ * length. */
+static size_t next_size(const struct vtk_xml *xml)
+{
+    const size_t most = (size_t)1 << 28; /* expat counts in int, and doubles it */
+    const uint8_t *next = xml->file.data + xml->at;
+    size_t left = xml->file.size - xml->at, pending = xml->fed - xml->seen, chunk = pending > CHUNK ? pending : CHUNK;
+    const uint8_t *close = pending < left ? memchr(next + pending, '>', left - pending) : NULL;
+    size_t size = close ? (size_t)(close - next) + 1 : left;
+    size = size < chunk ? size : chunk;
+    return size < most ? size : most;
+}
+
+static void skip_text(struct vtk_xml *xml)
+{
+    size_t left = xml->file.size - xml->at;
+    const uint8_t *next = xml->file.data + xml->at, *open;
+    if (xml->fed != xml->seen || left == 0) /* a tag or comment goes on */
+        return;
+    open = memchr(next, '<', left);
+    size_t text = open ? (size_t)(open - next) : left;
+    xml->at += text;
+    xml->skipped += text;
+}
+
+static mns_result fail_xml(struct vtk_xml *xml)
+{
+    enum XML_Error error = XML_GetErrorCode(xml->parser);
+    XML_Index index = XML_GetCurrentByteIndex(xml->parser);
+    size_t line = 1, place = (index > 0 ? (size_t)index : 0) + xml->skipped;
+    if (error == XML_ERROR_NO_MEMORY)
+        return mns_read_fail(xml->context, MNS_ERR_OUT_OF_MEMORY, "out of memory in expat");
+    for (size_t i = 0; i < place && i < xml->file.size; i++)
+        line += xml->file.data[i] == '\n';
+    return mns_read_fail(xml->context, MNS_ERR_BAD_DATA, "line %zu of the XML: %s", line, XML_ErrorString(error));
+}
+
 mns_result mns_xml_parse(struct vtk_xml *xml)
 {
     XML_Parser parser = XML_ParserCreate(NULL);
@@ -91,20 +138,24 @@ mns_result mns_xml_parse(struct vtk_xml *xml)
     xml->parser = parser;
     xml->depth = -1;
     xml->result = MNS_OK;
+    xml->at = xml->fed = xml->seen = xml->skipped = 0;
     XML_SetUserData(parser, xml);
     XML_SetElementHandler(parser, on_start, on_end);
     XML_SetStartDoctypeDeclHandler(parser, on_doctype);
+    XML_SetStartCdataSectionHandler(parser, on_cdata);
     enum XML_Status status = XML_STATUS_OK;
-    for (size_t at = 0; at < xml->file.size && status == XML_STATUS_OK; at += CHUNK) {
-        size_t left = xml->file.size - at;
-        status = XML_Parse(parser, (const char *)xml->file.data + at, (int)(left < CHUNK ? left : CHUNK), left <= CHUNK);
+    while (status == XML_STATUS_OK && xml->at < xml->file.size) {
+        size_t size = next_size(xml);
+        const char *next = (const char *)xml->file.data + xml->at;
+        xml->at += size;
+        xml->fed += size;
+        status = XML_Parse(parser, next, (int)size, 0);
+        skip_text(xml);
     }
-    enum XML_Error error = XML_GetErrorCode(parser);
-    if (xml->result == MNS_OK && !xml->stop && error == XML_ERROR_NO_MEMORY)
-        xml->result = mns_read_fail(xml->context, MNS_ERR_OUT_OF_MEMORY, "out of memory in expat");
-    else if (xml->result == MNS_OK && !xml->stop && status != XML_STATUS_OK)
-        xml->result = mns_read_fail(xml->context, MNS_ERR_BAD_DATA, "line %llu of the XML: %s",
-                                    (unsigned long long)XML_GetCurrentLineNumber(parser), XML_ErrorString(error));
+    if (status == XML_STATUS_OK)
+        status = XML_Parse(parser, "", 0, 1);
+    if (xml->result == MNS_OK && !xml->stop && status != XML_STATUS_OK)
+        xml->result = fail_xml(xml);
     XML_ParserFree(parser);
     return xml->result;
 }
