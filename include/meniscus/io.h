@@ -60,8 +60,8 @@ MNS_API const char *mns_missing_feature(size_t index);
 /* Particles read from a file, and all its per-particle attributes. */
 typedef struct mns_particle_set mns_particle_set; /* opaque; read-only once made, so many threads may read it */
 
-/* Reads a file; a .pvtu, .pvtp or .pvd opens the files it names beside it. For a .pvd use mns_pvd_read to get at its time steps;
- * here its first one is read, with all its parts. params, message: may be NULL. On failure *out is NULL and message says file, place,
+/* Reads a file; a .pvtu, .pvtp, .vtm, .vtpc or .pvd opens the files it names beside it. For a .pvd use mns_pvd_read to get at its time
+ * steps; here its first one is read, with all its parts. params, message: may be NULL. On failure *out is NULL and message says file, place,
  * fault and remedy. */
 MNS_API mns_result mns_particle_set_read(mns_particle_set **out, const char *path, const struct mns_read_params *params,
                                          struct mns_message *message);

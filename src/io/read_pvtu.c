@@ -1,4 +1,5 @@
-/* read_pvtu.c: parallel VTK XML files (.pvtu, .pvtp): the pieces that they name, as one set. */
+/* read_pvtu.c: VTK XML files that name others: those of several processes (.pvtu, .pvtp), blocks (.vtm), partitions (.vtpc, .vtpd). The pieces
+ * become one set. */
 #include "io/set.h"
 #include "io/vtk_array.h"
 #include "io/vtk_xml.h"
@@ -10,9 +11,13 @@ struct pvtu {
     char **sources; /* [capacity], count of them used */
     size_t count, capacity;
     bool has_grid, in_grid;
+    bool of_blocks; /* <DataSet file="FILE"> anywhere within, else <Piece Source="FILE"> right below */
 };
 
-static const char *const types[] = {"PUnstructuredGrid", "PPolyData", NULL};
+/* Those from FIRST_OF_BLOCKS on are of blocks. */
+static const char *const types[] = {"PUnstructuredGrid", "PPolyData", "vtkMultiBlockDataSet", "vtkPartitionedDataSetCollection", "vtkPartitionedDataSet",
+                                    NULL};
+enum { FIRST_OF_BLOCKS = 2 };
 
 static int probe(struct bytes head) { return mns_xml_probe(head, types); }
 
@@ -37,17 +42,26 @@ static mns_result start(struct vtk_xml *xml, const char *name, const char *const
 {
     struct pvtu *pvtu = xml->user;
     if (xml->depth == 1) {
-        pvtu->in_grid = strcmp(name, types[0]) == 0 || strcmp(name, types[1]) == 0;
+        pvtu->in_grid = false;
+        for (size_t i = 0; types[i] && !pvtu->in_grid; i++) {
+            pvtu->in_grid = strcmp(name, types[i]) == 0;
+            pvtu->of_blocks = i >= FIRST_OF_BLOCKS;
+        }
         pvtu->has_grid |= pvtu->in_grid;
     }
-    return xml->depth == 2 && pvtu->in_grid && strcmp(name, "Piece") == 0 ? start_piece(pvtu, mns_xml_get(attributes, "Source")) : MNS_OK;
+    if (xml->depth < 2 || !pvtu->in_grid)
+        return MNS_OK;
+    if (!pvtu->of_blocks)
+        return xml->depth == 2 && strcmp(name, "Piece") == 0 ? start_piece(pvtu, mns_xml_get(attributes, "Source")) : MNS_OK;
+    const char *file = strcmp(name, "DataSet") == 0 ? mns_xml_get(attributes, "file") : NULL; /* an empty block names none */
+    return file && file[0] != '\0' ? start_piece(pvtu, file) : MNS_OK;
 }
 
 static mns_result read_pieces(const struct pvtu *pvtu)
 {
     mns_result result = MNS_OK;
     if (!pvtu->has_grid)
-        return mns_read_fail(pvtu->context, MNS_ERR_BAD_DATA, "has no <%s> and no <%s>", types[0], types[1]);
+        return mns_read_fail(pvtu->context, MNS_ERR_BAD_DATA, "has no element that names pieces, such as <%s>", types[0]);
     if (pvtu->count == 0)
         return mns_set_begin(pvtu->context, 0);
     for (size_t i = 0; i < pvtu->count && result == MNS_OK; i++)
@@ -62,7 +76,7 @@ static mns_result read_pvtu(struct read_context *context, struct bytes file)
     /* Only a .pvd may name a .pvtu: a few small files that name each other many times would be read without end. */
     if (context->depth > 1 || (context->depth == 1 && strcmp(context->set->format, "pvd") != 0))
         return mns_read_fail(context, MNS_ERR_BAD_DATA,
-                             "is named as a piece, but has pieces itself: those of a .pvtu or .pvtp are .vtu or .vtp files");
+                             "is named as a piece, but has pieces itself: those of a parallel file are .vtu or .vtp files");
     mns_result result = mns_xml_parse(&xml);
     if (result == MNS_OK)
         result = read_pieces(&pvtu);
@@ -73,4 +87,4 @@ static mns_result read_pvtu(struct read_context *context, struct bytes file)
     return result;
 }
 
-const struct mns_reader mns_reader_pvtu = {"pvtu", "pvtu pvtp", probe, read_pvtu};
+const struct mns_reader mns_reader_pvtu = {"pvtu", "pvtu pvtp vtm vtpc vtpd", probe, read_pvtu};

@@ -42,7 +42,7 @@ extern const struct mns_reader mns_reader_bgeo;
 extern const struct mns_reader mns_reader_vtk;  /* legacy */
 extern const struct mns_reader mns_reader_vtu;  /* XML UnstructuredGrid, .vtu */
 extern const struct mns_reader mns_reader_vtp;  /* XML PolyData, .vtp */
-extern const struct mns_reader mns_reader_pvtu; /* .pvtu and .pvtp */
+extern const struct mns_reader mns_reader_pvtu; /* .pvtu and .pvtp, .vtm, .vtpc, .vtpd */
 extern const struct mns_reader mns_reader_pvd;
 extern const struct mns_reader mns_reader_ply;
 extern const struct mns_reader mns_reader_npy;

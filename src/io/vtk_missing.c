@@ -20,7 +20,7 @@ static mns_result refuse(struct read_context *context, struct bytes file)
     return mns_read_fail(context, MNS_ERR_UNSUPPORTED, "is a VTK XML file, which this build cannot read: build with expat");
 }
 
-const struct mns_reader mns_reader_vtk_xml_missing = {"vtu", "vtu vtp pvtu pvtp pvd", probe, refuse};
+const struct mns_reader mns_reader_vtk_xml_missing = {"vtu", "vtu vtp pvtu pvtp vtm vtpc vtpd pvd", probe, refuse};
 
 mns_result mns_pvd_read(mns_pvd **out, const char *path, struct mns_message *message)
 {

@@ -138,6 +138,8 @@ def main():
              f'<?xml version="1.0"?>\n<VTKFile type="{kind}" version="1.0" byte_order="LittleEndian">\n<{kind} GhostLevel="0">\n'
              '<PPoints><PDataArray type="Float32" Name="Points" NumberOfComponents="3"/></PPoints>\n'
              f'<Piece Source="part_0.{ending}"/>\n<Piece Source="part_1.{ending}"/>\n</{kind}>\n</VTKFile>\n')
+    seed('pvtu/blocks.vtm', '<VTKFile type="vtkMultiBlockDataSet"><vtkMultiBlockDataSet><Block index="0"><DataSet index="0" file="a.vtu"/></Block>'
+         '<DataSet index="1"/></vtkMultiBlockDataSet></VTKFile>\n')
     seed('pvd/series.pvd', '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1">\n<Collection>\n'
          '<DataSet timestep="0" group="" part="0" file="a_0.vtu"/>\n<DataSet timestep="0.5" file="a_1.vtu"/>\n</Collection>\n</VTKFile>\n')
     seed('where/simple', 'type == 0 && velocity.x > 0.5')

@@ -17,8 +17,12 @@
 
 #define FOLDER "test_pvtu_files"
 
+<<<<<<< HEAD
 static const char *const files[] = {"a.vtp",    "sub/b.vtp", "loop.pvtp", "nested.pvtp", "all.pvtp",
                                     "bad.pvtp", "all.pvd",   "loop.pvd",  "of_pvtp.pvd"};
+=======
+static const char *const files[] = {"a.vtp", "sub/b.vtp", "loop.pvtp", "nested.pvtp", "all.pvtp", "bad.pvtp", "all.vtm", "all.vtpc", "loop.vtm", "all.pvd", "loop.pvd", "of_pvtp.pvd"};
+>>>>>>> 96f955d (io: VTK files of blocks and partitions)
 
 static void path_of(char out[256], const char *name) { snprintf(out, 256, FOLDER "/%s", name); }
 
@@ -49,9 +53,15 @@ static void write_piece(const char *name, int first, int count)
     write_file(name, text);
 }
 
+<<<<<<< HEAD
 #define PARALLEL(pieces)                                                                                                                   \
     "<VTKFile type=\"PPolyData\"><PPolyData GhostLevel=\"0\"><PPointData><PDataArray type=\"Int32\" Name=\"id\"/></PPointData>" pieces     \
     "</PPolyData></VTKFile>"
+=======
+#define PARALLEL(pieces) \
+    "<VTKFile type=\"PPolyData\"><PPolyData GhostLevel=\"0\"><PPointData><PDataArray type=\"Int32\" Name=\"id\"/></PPointData>" pieces "</PPolyData></VTKFile>"
+#define BLOCKS(type, blocks) "<VTKFile type=\"" type "\"><" type ">" blocks "</" type "></VTKFile>"
+>>>>>>> 96f955d (io: VTK files of blocks and partitions)
 #define SERIES(steps) "<?xml version=\"1.0\"?><VTKFile type=\"Collection\" version=\"0.1\"><Collection>" steps "</Collection></VTKFile>"
 
 static int set_up(void **state)
@@ -62,6 +72,11 @@ static int set_up(void **state)
     write_piece("a.vtp", 0, 3);
     write_piece("sub/b.vtp", 3, 2);
     write_file("all.pvtp", PARALLEL("<Piece Source=\"a.vtp\"/><Piece Source=\"sub/b.vtp\"/>"));
+    write_file("all.vtm", BLOCKS("vtkMultiBlockDataSet", "<Block index=\"0\"><DataSet index=\"0\" file=\"a.vtp\"/><DataSet index=\"1\"/></Block>"
+                                                         "<DataSet index=\"1\" file=\"sub/b.vtp\"/>"));
+    write_file("all.vtpc", BLOCKS("vtkPartitionedDataSetCollection", "<Partitions index=\"0\"><DataSet file=\"a.vtp\"/></Partitions><Partitions index=\"1\">"
+                                                                     "<DataSet file=\"sub/b.vtp\"/></Partitions>"));
+    write_file("loop.vtm", BLOCKS("vtkMultiBlockDataSet", "<DataSet file=\"loop.vtm\"/>"));
     write_file("loop.pvtp", PARALLEL("<Piece Source=\"loop.pvtp\"/>"));
     write_file("nested.pvtp", PARALLEL("<Piece Source=\"all.pvtp\"/>"));
     write_file("bad.pvtp", PARALLEL("<Piece Source=\"a.vtp\"/><Piece Source=\"missing.vtp\"/>"));
@@ -109,6 +124,8 @@ static void pieces_are_one_set(void **state)
 {
     (void)state;
     reads_five("all.pvtp", "pvtu");
+    reads_five("all.vtm", "pvtu");
+    reads_five("all.vtpc", "pvtu");
 }
 
 static void a_collection_is_its_first_time(void **state)
@@ -134,6 +151,7 @@ static void circles_are_refused(void **state)
 {
     (void)state;
     fails("loop.pvtp", MNS_ERR_BAD_DATA, "loop.pvtp: is named as a piece, but has pieces itself");
+    fails("loop.vtm", MNS_ERR_BAD_DATA, "loop.vtm: is named as a piece, but has pieces itself");
     fails("nested.pvtp", MNS_ERR_BAD_DATA, "all.pvtp: is named as a piece, but has pieces itself");
     fails("loop.pvd", MNS_ERR_BAD_DATA, "loop.pvd: is named by another file");
     fails("bad.pvtp", MNS_ERR_IO, FOLDER "/missing.vtp: cannot be opened");
@@ -150,7 +168,7 @@ static void bad_files_are_refused(void **state)
     refuse(PARALLEL("<Piece Source=\"a.vtp\"/>"), "a.pvtp", MNS_ERR_UNSUPPORTED,
            "names another file (a.vtp), which reading from memory does not open");
     refuse(PARALLEL("<Piece/>"), "a.pvtp", MNS_ERR_BAD_DATA, "has a <Piece> without Source=\"FILE\"");
-    refuse("<VTKFile type=\"PPolyData\"></VTKFile>", "a.pvtp", MNS_ERR_BAD_DATA, "has no <PUnstructuredGrid> and no <PPolyData>");
+    refuse("<VTKFile type=\"PPolyData\"></VTKFile>", "a.pvtp", MNS_ERR_BAD_DATA, "has no element that names pieces, such as <PUnstructuredGrid>");
     refuse("<VTKFile type=\"PPolyData\"><PPolyData>", "a.pvtp", MNS_ERR_BAD_DATA, "line 1 of the XML: ");
     refuse("<VTKFile type=\"Collection\"></VTKFile>", "a.pvd", MNS_ERR_BAD_DATA, "has no <Collection>");
     refuse(SERIES(""), "a.pvd", MNS_ERR_BAD_DATA, "its <Collection> has no <DataSet>");
