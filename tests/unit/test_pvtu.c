@@ -17,12 +17,8 @@
 
 #define FOLDER "test_pvtu_files"
 
-<<<<<<< HEAD
-static const char *const files[] = {"a.vtp",    "sub/b.vtp", "loop.pvtp", "nested.pvtp", "all.pvtp",
-                                    "bad.pvtp", "all.pvd",   "loop.pvd",  "of_pvtp.pvd"};
-=======
-static const char *const files[] = {"a.vtp", "sub/b.vtp", "loop.pvtp", "nested.pvtp", "all.pvtp", "bad.pvtp", "all.vtm", "all.vtpc", "loop.vtm", "all.pvd", "loop.pvd", "of_pvtp.pvd"};
->>>>>>> 96f955d (io: VTK files of blocks and partitions)
+static const char *const files[] = {"a.vtp",   "sub/b.vtp", "loop.pvtp", "nested.pvtp", "all.pvtp", "bad.pvtp",
+                                    "all.vtm", "all.vtpc",  "loop.vtm",  "all.pvd",     "loop.pvd", "of_pvtp.pvd"};
 
 static void path_of(char out[256], const char *name) { snprintf(out, 256, FOLDER "/%s", name); }
 
@@ -53,15 +49,10 @@ static void write_piece(const char *name, int first, int count)
     write_file(name, text);
 }
 
-<<<<<<< HEAD
 #define PARALLEL(pieces)                                                                                                                   \
     "<VTKFile type=\"PPolyData\"><PPolyData GhostLevel=\"0\"><PPointData><PDataArray type=\"Int32\" Name=\"id\"/></PPointData>" pieces     \
     "</PPolyData></VTKFile>"
-=======
-#define PARALLEL(pieces) \
-    "<VTKFile type=\"PPolyData\"><PPolyData GhostLevel=\"0\"><PPointData><PDataArray type=\"Int32\" Name=\"id\"/></PPointData>" pieces "</PPolyData></VTKFile>"
 #define BLOCKS(type, blocks) "<VTKFile type=\"" type "\"><" type ">" blocks "</" type "></VTKFile>"
->>>>>>> 96f955d (io: VTK files of blocks and partitions)
 #define SERIES(steps) "<?xml version=\"1.0\"?><VTKFile type=\"Collection\" version=\"0.1\"><Collection>" steps "</Collection></VTKFile>"
 
 static int set_up(void **state)
