@@ -15,8 +15,8 @@ struct pvtu {
 };
 
 /* Those from FIRST_OF_BLOCKS on are of blocks. */
-static const char *const types[] = {"PUnstructuredGrid", "PPolyData", "vtkMultiBlockDataSet", "vtkPartitionedDataSetCollection", "vtkPartitionedDataSet",
-                                    NULL};
+static const char *const types[] = {"PUnstructuredGrid",     "PPolyData", "vtkMultiBlockDataSet", "vtkPartitionedDataSetCollection",
+                                    "vtkPartitionedDataSet", NULL};
 enum { FIRST_OF_BLOCKS = 2 };
 
 static int probe(struct bytes head) { return mns_xml_probe(head, types); }

@@ -54,10 +54,7 @@ static bool is_word(struct bytes word, const char *text)
     return true;
 }
 
-static int shown(struct bytes word)
-{
-    return word.size < 60 ? (int)word.size : 60;
-}
+static int shown(struct bytes word) { return word.size < 60 ? (int)word.size : 60; }
 
 static bool to_count(struct bytes word, size_t *out)
 {
@@ -108,24 +105,12 @@ static bool parse_type(struct bytes word, enum kind *kind, enum mns_type *type)
         const char *name;
         enum kind kind;
         enum mns_type type;
-    } types[] = {{"float", KIND_NUMBER, MNS_F32},
-                 {"double", KIND_NUMBER, MNS_F64},
-                 {"int", KIND_NUMBER, MNS_I32},
-                 {"unsigned_int", KIND_NUMBER, MNS_U32},
-                 {"long", KIND_NUMBER, MNS_I64},
-                 {"unsigned_long", KIND_NUMBER, MNS_U64},
-                 {"short", KIND_NUMBER, MNS_I16},
-                 {"unsigned_short", KIND_NUMBER, MNS_U16},
-                 {"char", KIND_NUMBER, MNS_I8},
-                 {"signed_char", KIND_NUMBER, MNS_I8},
-                 {"unsigned_char", KIND_NUMBER, MNS_U8},
-                 {"vtkidtype", KIND_NUMBER, MNS_I32},
-                 {"vtktypeint64", KIND_NUMBER, MNS_I64},
-                 {"vtktypeuint64", KIND_NUMBER, MNS_U64},
-                 {"bit", KIND_BIT, MNS_U8},
-                 {"string", KIND_STRING, MNS_U8},
-                 {"utf8_string", KIND_STRING, MNS_U8},
-                 {"variant", KIND_VARIANT, MNS_U8}};
+    } types[] = {{"float", KIND_NUMBER, MNS_F32},        {"double", KIND_NUMBER, MNS_F64},         {"int", KIND_NUMBER, MNS_I32},
+                 {"unsigned_int", KIND_NUMBER, MNS_U32}, {"long", KIND_NUMBER, MNS_I64},           {"unsigned_long", KIND_NUMBER, MNS_U64},
+                 {"short", KIND_NUMBER, MNS_I16},        {"unsigned_short", KIND_NUMBER, MNS_U16}, {"char", KIND_NUMBER, MNS_I8},
+                 {"signed_char", KIND_NUMBER, MNS_I8},   {"unsigned_char", KIND_NUMBER, MNS_U8},   {"vtkidtype", KIND_NUMBER, MNS_I32},
+                 {"vtktypeint64", KIND_NUMBER, MNS_I64}, {"vtktypeuint64", KIND_NUMBER, MNS_U64},  {"bit", KIND_BIT, MNS_U8},
+                 {"string", KIND_STRING, MNS_U8},        {"utf8_string", KIND_STRING, MNS_U8},     {"variant", KIND_VARIANT, MNS_U8}};
     for (size_t i = 0; i < sizeof(types) / sizeof(types[0]); i++) {
         if (is_word(word, types[i].name)) {
             *kind = types[i].kind;
@@ -142,8 +127,8 @@ static mns_result take_type(struct legacy *vtk, const char *behind, enum kind *k
     struct bytes word = take_word(&vtk->cursor);
     if (parse_type(word, kind, type))
         return MNS_OK;
-    return mns_read_fail(vtk->context, MNS_ERR_BAD_DATA, "byte %zu: '%.*s' where a type such as float should be, behind %s", at, shown(word),
-                         (const char *)word.data, behind);
+    return mns_read_fail(vtk->context, MNS_ERR_BAD_DATA, "byte %zu: '%.*s' where a type such as float should be, behind %s", at,
+                         shown(word), (const char *)word.data, behind);
 }
 
 /* Binary numbers begin behind the line end of their header. */
@@ -171,7 +156,8 @@ static bool skip_words(struct cursor *cursor, size_t count)
 }
 
 /* Takes the numbers of an array that has `elements` of them. */
-static mns_result take_numbers(struct legacy *vtk, const char *name, enum vtk_coding coding, enum mns_type type, size_t elements, struct bytes *out)
+static mns_result take_numbers(struct legacy *vtk, const char *name, enum vtk_coding coding, enum mns_type type, size_t elements,
+                               struct bytes *out)
 {
     size_t start = vtk->cursor.at, left = mns_left(&vtk->cursor), size = mns_type_size(type);
     bool there;
@@ -183,8 +169,9 @@ static mns_result take_numbers(struct legacy *vtk, const char *name, enum vtk_co
         out->data = vtk->cursor.bytes.data + start;
     }
     if (!there)
-        return mns_read_fail(vtk->context, MNS_ERR_BAD_DATA, "ends in '%s': %zu numbers of type %s should follow byte %zu, but %zu bytes do", name,
-                             elements, mns_type_name(type), start, left);
+        return mns_read_fail(vtk->context, MNS_ERR_BAD_DATA,
+                             "ends in '%s': %zu numbers of type %s should follow byte %zu, but %zu bytes do", name, elements,
+                             mns_type_name(type), start, left);
     out->size = (size_t)(vtk->cursor.bytes.data + vtk->cursor.at - out->data);
     return MNS_OK;
 }
@@ -236,7 +223,8 @@ struct header {
 static mns_result take_array(struct legacy *vtk, struct header *header)
 {
     if (header->components == 0 || header->components > 1 << 20 || header->tuples > SIZE_MAX / 16 / header->components)
-        return mns_read_fail(vtk->context, MNS_ERR_BAD_DATA, "'%s' has %zu times %zu numbers", header->name, header->tuples, header->components);
+        return mns_read_fail(vtk->context, MNS_ERR_BAD_DATA, "'%s' has %zu times %zu numbers", header->name, header->tuples,
+                             header->components);
     size_t elements = header->components * header->tuples;
     if (header->kind == KIND_STRING || header->kind == KIND_VARIANT)
         return skip_strings(vtk, header->name, header->kind, elements);
@@ -261,8 +249,8 @@ static void take_name(struct legacy *vtk, struct header *header)
 
 static struct header new_header(const struct legacy *vtk)
 {
-    return (struct header){.type = MNS_F32, .components = 1, .tuples = vtk->tuples, .coding = vtk->binary ? VTK_RAW : VTK_TEXT,
-                           .keep = vtk->in_point_data};
+    return (struct header){
+        .type = MNS_F32, .components = 1, .tuples = vtk->tuples, .coding = vtk->binary ? VTK_RAW : VTK_TEXT, .keep = vtk->in_point_data};
 }
 
 /* ---- keywords ---- */
@@ -383,8 +371,8 @@ static mns_result take_attribute(struct legacy *vtk, struct bytes keyword, bool 
     static const struct {
         const char *keyword;
         size_t components;
-    } vectors[] = {{"vectors", 3},   {"normals", 3},    {"texture_coordinates", 0}, {"tensors", 9},
-                   {"tensors6", 6},  {"global_ids", 1}, {"pedigree_ids", 1},        {"edge_flags", 1}};
+    } vectors[] = {{"vectors", 3},  {"normals", 3},    {"texture_coordinates", 0}, {"tensors", 9},
+                   {"tensors6", 6}, {"global_ids", 1}, {"pedigree_ids", 1},        {"edge_flags", 1}};
     *known = true;
     if (is_word(keyword, "scalars"))
         return take_scalars(vtk);
@@ -471,7 +459,8 @@ static mns_result begin_data(struct legacy *vtk, bool of_points)
     vtk->in_data = true;
     vtk->in_point_data = of_points;
     if (result == MNS_OK && of_points && vtk->tuples != vtk->points)
-        result = mns_read_fail(vtk->context, MNS_ERR_BAD_DATA, "has POINT_DATA for %zu points where there are %zu", vtk->tuples, vtk->points);
+        result =
+            mns_read_fail(vtk->context, MNS_ERR_BAD_DATA, "has POINT_DATA for %zu points where there are %zu", vtk->tuples, vtk->points);
     return result;
 }
 
@@ -499,8 +488,8 @@ static mns_result take_section(struct legacy *vtk, struct bytes keyword)
     }
     mns_result result = vtk->in_data ? take_attribute(vtk, keyword, &known) : MNS_OK;
     if (result == MNS_OK && !known)
-        result = mns_read_fail(vtk->context, MNS_ERR_BAD_DATA, "byte %zu: '%.*s' where a keyword such as POINT_DATA should be", at, shown(keyword),
-                               (const char *)keyword.data);
+        result = mns_read_fail(vtk->context, MNS_ERR_BAD_DATA, "byte %zu: '%.*s' where a keyword such as POINT_DATA should be", at,
+                               shown(keyword), (const char *)keyword.data);
     return result;
 }
 
@@ -524,14 +513,15 @@ static mns_result read_header(struct legacy *vtk)
     word = take_word(&vtk->cursor);
     vtk->binary = is_word(word, "binary");
     if (!vtk->binary && !is_word(word, "ascii"))
-        return mns_read_fail(context, MNS_ERR_BAD_DATA, "line 3: '%.*s' where ASCII or BINARY should be", shown(word), (const char *)word.data);
+        return mns_read_fail(context, MNS_ERR_BAD_DATA, "line 3: '%.*s' where ASCII or BINARY should be", shown(word),
+                             (const char *)word.data);
     word = take_word(&vtk->cursor);
     if (!is_word(word, "dataset"))
         return mns_read_fail(context, MNS_ERR_BAD_DATA, "line 4: '%.*s' where DATASET should be", shown(word), (const char *)word.data);
     word = take_word(&vtk->cursor);
     if (!is_word(word, "polydata") && !is_word(word, "unstructured_grid"))
-        return mns_read_fail(context, MNS_ERR_UNSUPPORTED, "holds a data set of kind '%.*s'; POLYDATA and UNSTRUCTURED_GRID are read", shown(word),
-                             (const char *)word.data);
+        return mns_read_fail(context, MNS_ERR_UNSUPPORTED, "holds a data set of kind '%.*s'; POLYDATA and UNSTRUCTURED_GRID are read",
+                             shown(word), (const char *)word.data);
     return MNS_OK;
 }
 

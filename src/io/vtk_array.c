@@ -55,10 +55,7 @@ const char *mns_vtk_name(const struct vtk_array *array)
 
 /* ---- numbers in text ---- */
 
-static bool is_real(enum mns_type type)
-{
-    return type == MNS_F32 || type == MNS_F64;
-}
+static bool is_real(enum mns_type type) { return type == MNS_F32 || type == MNS_F64; }
 
 /* Writes the low bytes of a whole number, which are the same whether it has a sign or not. */
 static void store_whole(void *out, uint64_t value, enum mns_type type)
@@ -85,19 +82,16 @@ static const char *parse_uint64(const char *text, const char *end, uint64_t *out
     return p > text ? p : NULL;
 }
 
-static bool ends_word(const char *p, const char *end)
-{
-    return p == end || mns_vtk_is_blank((uint8_t)*p);
-}
+static bool ends_word(const char *p, const char *end) { return p == end || mns_vtk_is_blank((uint8_t)*p); }
 
 /* A whole number, also written as 1.0 or 1e3. NULL: none that the type holds. */
 static const char *parse_whole(const char *text, const char *end, enum mns_type type, void *out)
 {
     static const struct {
         int64_t lowest, highest;
-    } ranges[] = {[MNS_I8] = {INT8_MIN, INT8_MAX},    [MNS_U8] = {0, UINT8_MAX},   [MNS_I16] = {INT16_MIN, INT16_MAX},
-                  [MNS_U16] = {0, UINT16_MAX},        [MNS_I32] = {INT32_MIN, INT32_MAX}, [MNS_U32] = {0, UINT32_MAX},
-                  [MNS_I64] = {INT64_MIN, INT64_MAX}, [MNS_U64] = {0, INT64_MAX}};
+    } ranges[] = {
+        [MNS_I8] = {INT8_MIN, INT8_MAX},    [MNS_U8] = {0, UINT8_MAX},   [MNS_I16] = {INT16_MIN, INT16_MAX}, [MNS_U16] = {0, UINT16_MAX},
+        [MNS_I32] = {INT32_MIN, INT32_MAX}, [MNS_U32] = {0, UINT32_MAX}, [MNS_I64] = {INT64_MIN, INT64_MAX}, [MNS_U64] = {0, INT64_MAX}};
     int64_t value;
     uint64_t large;
     double real;
@@ -177,7 +171,8 @@ mns_result mns_vtk_parse_numbers(struct read_context *context, const struct vtk_
         p = after;
     }
     if (skip_blanks(p, end) != end)
-        return mns_read_fail(context, MNS_ERR_BAD_DATA, "'%s' holds more than the %zu numbers that should be there", mns_vtk_name(array), elements);
+        return mns_read_fail(context, MNS_ERR_BAD_DATA, "'%s' holds more than the %zu numbers that should be there", mns_vtk_name(array),
+                             elements);
     return MNS_OK;
 }
 

@@ -40,10 +40,7 @@ const char *mns_vtk_name(const struct vtk_array *array);
 void *mns_vtk_grow(struct read_context *context, void *items, size_t *capacity, size_t count, size_t size);
 
 /* Whether a character parts numbers. */
-static inline bool mns_vtk_is_blank(uint8_t c)
-{
-    return c == ' ' || (c >= '\t' && c <= '\r');
-}
+static inline bool mns_vtk_is_blank(uint8_t c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
 
 /* Reads numbers in text. Exactly `elements` of them must be there. */
 mns_result mns_vtk_parse_numbers(struct read_context *context, const struct vtk_array *array, size_t elements, void *out);

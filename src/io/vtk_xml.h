@@ -18,9 +18,9 @@ struct vtk_xml {
     bool stop;              /* set by start: what follows is no XML */
     void *parser;           /* mns_xml_parse's own, like all below */
     mns_result result;
-    size_t at;              /* in the file: what comes next */
-    size_t fed, seen;       /* bytes given to the parser, and of these up to the end of the last tag */
-    size_t skipped;         /* bytes that were not given to it, all of them in front of the tag in hand */
+    size_t at;        /* in the file: what comes next */
+    size_t fed, seen; /* bytes given to the parser, and of these up to the end of the last tag */
+    size_t skipped;   /* bytes that were not given to it, all of them in front of the tag in hand */
 };
 
 /* Text between tags, which may be as long as the file, is not looked at. */

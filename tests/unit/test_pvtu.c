@@ -53,7 +53,7 @@ static void write_piece(const char *name, int first, int count)
     "<VTKFile type=\"PPolyData\"><PPolyData GhostLevel=\"0\"><PPointData><PDataArray type=\"Int32\" Name=\"id\"/></PPointData>" pieces     \
     "</PPolyData></VTKFile>"
 #define BLOCKS(type, blocks) "<VTKFile type=\"" type "\"><" type ">" blocks "</" type "></VTKFile>"
-#define SERIES(steps) "<?xml version=\"1.0\"?><VTKFile type=\"Collection\" version=\"0.1\"><Collection>" steps "</Collection></VTKFile>"
+#define SERIES(steps)        "<?xml version=\"1.0\"?><VTKFile type=\"Collection\" version=\"0.1\"><Collection>" steps "</Collection></VTKFile>"
 
 static int set_up(void **state)
 {
@@ -63,10 +63,12 @@ static int set_up(void **state)
     write_piece("a.vtp", 0, 3);
     write_piece("sub/b.vtp", 3, 2);
     write_file("all.pvtp", PARALLEL("<Piece Source=\"a.vtp\"/><Piece Source=\"sub/b.vtp\"/>"));
-    write_file("all.vtm", BLOCKS("vtkMultiBlockDataSet", "<Block index=\"0\"><DataSet index=\"0\" file=\"a.vtp\"/><DataSet index=\"1\"/></Block>"
-                                                         "<DataSet index=\"1\" file=\"sub/b.vtp\"/>"));
-    write_file("all.vtpc", BLOCKS("vtkPartitionedDataSetCollection", "<Partitions index=\"0\"><DataSet file=\"a.vtp\"/></Partitions><Partitions index=\"1\">"
-                                                                     "<DataSet file=\"sub/b.vtp\"/></Partitions>"));
+    write_file("all.vtm",
+               BLOCKS("vtkMultiBlockDataSet", "<Block index=\"0\"><DataSet index=\"0\" file=\"a.vtp\"/><DataSet index=\"1\"/></Block>"
+                                              "<DataSet index=\"1\" file=\"sub/b.vtp\"/>"));
+    write_file("all.vtpc", BLOCKS("vtkPartitionedDataSetCollection",
+                                  "<Partitions index=\"0\"><DataSet file=\"a.vtp\"/></Partitions><Partitions index=\"1\">"
+                                  "<DataSet file=\"sub/b.vtp\"/></Partitions>"));
     write_file("loop.vtm", BLOCKS("vtkMultiBlockDataSet", "<DataSet file=\"loop.vtm\"/>"));
     write_file("loop.pvtp", PARALLEL("<Piece Source=\"loop.pvtp\"/>"));
     write_file("nested.pvtp", PARALLEL("<Piece Source=\"all.pvtp\"/>"));
@@ -159,7 +161,8 @@ static void bad_files_are_refused(void **state)
     refuse(PARALLEL("<Piece Source=\"a.vtp\"/>"), "a.pvtp", MNS_ERR_UNSUPPORTED,
            "names another file (a.vtp), which reading from memory does not open");
     refuse(PARALLEL("<Piece/>"), "a.pvtp", MNS_ERR_BAD_DATA, "has a <Piece> without Source=\"FILE\"");
-    refuse("<VTKFile type=\"PPolyData\"></VTKFile>", "a.pvtp", MNS_ERR_BAD_DATA, "has no element that names pieces, such as <PUnstructuredGrid>");
+    refuse("<VTKFile type=\"PPolyData\"></VTKFile>", "a.pvtp", MNS_ERR_BAD_DATA,
+           "has no element that names pieces, such as <PUnstructuredGrid>");
     refuse("<VTKFile type=\"PPolyData\"><PPolyData>", "a.pvtp", MNS_ERR_BAD_DATA, "line 1 of the XML: ");
     refuse("<VTKFile type=\"Collection\"></VTKFile>", "a.pvd", MNS_ERR_BAD_DATA, "has no <Collection>");
     refuse(SERIES(""), "a.pvd", MNS_ERR_BAD_DATA, "its <Collection> has no <DataSet>");

@@ -66,8 +66,14 @@ static void add_cells(struct blob *blob, const char *keyword, int offsets)
 static void add_strings(struct blob *blob)
 {
     if (binary) {
-        add(blob, "\xc3" "one", 4); /* 6 bits of length */
-        add(blob, "\x80\x05" "two\n\n", 7);
+        add(blob,
+            "\xc3"
+            "one",
+            4); /* 6 bits of length */
+        add(blob,
+            "\x80\x05"
+            "two\n\n",
+            7);
         add(blob, "\x40\0\0\0", 4);
         add(blob, "\0\0\0\0\0\0\0\1x", 9);
         add_text(blob, "\n");
@@ -133,7 +139,8 @@ static void check_made(const struct blob *blob, enum mns_type points)
         assert_vector(particles->velocity, (size_t)i, -3 * i, -3 * i - 1, -3 * i - 2);
         assert_true(value_of(particles->id, (size_t)i, 0) == 4294967295.0 - i);
     }
-    const struct mns_attribute *rest = find_attribute(set, "rest density"), *few = find_attribute(set, "small"), *up = find_attribute(set, "up");
+    const struct mns_attribute *rest = find_attribute(set, "rest density"), *few = find_attribute(set, "small"),
+                               *up = find_attribute(set, "up");
     assert_non_null(rest);
     assert_true(((const float *)rest->data)[2] == 1002.0f);
     assert_non_null(few);
@@ -172,10 +179,11 @@ static mns_particle_set *read_ascii(const char *rest)
 static void kinds_of_numbers(void **state)
 {
     (void)state;
-    mns_particle_set *set = read_ascii("POINT_DATA 2\nSCALARS a unsigned_long\nLOOKUP_TABLE default\n18446744073709551615 1e3\nSCALARS b vtkIdType 1\n"
-                                       "LOOKUP_TABLE default\n-7 2.0\nSCALARS c bit\nLOOKUP_TABLE default\n1 0\nCOLOR_SCALARS color 3\n1 0.5 0 0 2 -1\n"
-                                       "TEXTURE_COORDINATES t 2 float\n1 2 3 nan\nTENSORS6 s float\n1 2 3 4 5 6 7 8 9 10 11 12\nGLOBAL_IDS g vtktypeint64\n5 6\n"
-                                       "SCALARS bare double\n0.5 1.5\n");
+    mns_particle_set *set = read_ascii(
+        "POINT_DATA 2\nSCALARS a unsigned_long\nLOOKUP_TABLE default\n18446744073709551615 1e3\nSCALARS b vtkIdType 1\n"
+        "LOOKUP_TABLE default\n-7 2.0\nSCALARS c bit\nLOOKUP_TABLE default\n1 0\nCOLOR_SCALARS color 3\n1 0.5 0 0 2 -1\n"
+        "TEXTURE_COORDINATES t 2 float\n1 2 3 nan\nTENSORS6 s float\n1 2 3 4 5 6 7 8 9 10 11 12\nGLOBAL_IDS g vtktypeint64\n5 6\n"
+        "SCALARS bare double\n0.5 1.5\n");
     assert_true(*(const uint64_t *)find_attribute(set, "a")->data == UINT64_MAX);
     assert_true(((const uint64_t *)find_attribute(set, "a")->data)[1] == 1000);
     assert_int_equal(find_attribute(set, "b")->type, MNS_I32);
@@ -191,7 +199,8 @@ static void kinds_of_numbers(void **state)
     add_text(&blob, "# vtk DataFile Version 4.2\r\nt\r\nBINARY\r\nDATASET POLYDATA\r\nPOINTS 1 float\r\n");
     for (int i = 0; i < 3; i++)
         add_float(&blob, (float)i, 1);
-    add_text(&blob, "\r\nPOINT_DATA 1\r\nFIELD f 2\r\nx%00y 1 1 unsigned_char\r\n!\r\nbits 9 1 bit\r\n\xa0\x80\r\nCOLOR_SCALARS color 3\r\nabc");
+    add_text(&blob,
+             "\r\nPOINT_DATA 1\r\nFIELD f 2\r\nx%00y 1 1 unsigned_char\r\n!\r\nbits 9 1 bit\r\n\xa0\x80\r\nCOLOR_SCALARS color 3\r\nabc");
     set = read_blob(blob.data, blob.size, "a.vtk", NULL);
     assert_non_null(find_attribute(set, "x?y"));
     assert_memory_equal(find_attribute(set, "bits")->data, "\1\0\1\0\0\0\0\0\1", 9);
@@ -203,7 +212,8 @@ static void few_or_no_particles(void **state)
 {
     (void)state;
     mns_particle_set *set = read_text("# vtk DataFile Version 4.2\nt\nASCII\nDATASET POLYDATA\nPOINTS 0 float\nVERTICES 0 0\nPOINT_DATA 0\n"
-                                      "SCALARS id int\nLOOKUP_TABLE default\n", "a.vtk", NULL);
+                                      "SCALARS id int\nLOOKUP_TABLE default\n",
+                                      "a.vtk", NULL);
     assert_int_equal(mns_particle_set_particles(set)->count, 0);
     mns_particle_set_destroy(&set);
 
@@ -216,15 +226,14 @@ static void few_or_no_particles(void **state)
     struct mns_read_params params;
     mns_read_params_init(&params);
     params.log = (struct mns_log){hear, &heard};
-    set = read_text("# vtk DataFile Version 4.2\nt\nASCII\nDATASET POLYDATA\nPOINTS 1 float\n1 2 3\nPOINT_DATA 1\nFIELD f 1\nodd 1 2 int\n4 5\n", "a.vtk", &params);
+    set = read_text(
+        "# vtk DataFile Version 4.2\nt\nASCII\nDATASET POLYDATA\nPOINTS 1 float\n1 2 3\nPOINT_DATA 1\nFIELD f 1\nodd 1 2 int\n4 5\n",
+        "a.vtk", &params);
     assert_string_equal(heard.last, "a.vtk: 'odd' is left out: it has 2 values for 1 points");
     mns_particle_set_destroy(&set);
 }
 
-static void refuse(const char *text, mns_result code, const char *words)
-{
-    refuses(text, strlen(text), "a.vtk", NULL, code, words);
-}
+static void refuse(const char *text, mns_result code, const char *words) { refuses(text, strlen(text), "a.vtk", NULL, code, words); }
 
 static void refuse_behind(const char *rest, mns_result code, const char *words)
 {
@@ -272,11 +281,17 @@ static void bad_bodies_are_refused(void **state)
     refuse_behind("VERTICES 3 2\nOFFSETS vtktypeint64\n0 1 2\nPOINT_DATA\n", MNS_ERR_BAD_DATA, "'POINT_DATA' where CONNECTIVITY should be");
     refuse_behind("VERTICES 2 4\n1 0 1\n", MNS_ERR_BAD_DATA, "ends in 'cells'");
     refuse("# vtk DataFile Version 3.0\nt\nASCII\nDATASET POLYDATA\nPOINTS 1 int\n1 2 3\n", MNS_ERR_UNSUPPORTED, "positions of type int32");
-    refuse("# vtk DataFile Version 3.0\nt\nASCII\nDATASET POLYDATA\nPOINTS 1 string\n1 2 3\n", MNS_ERR_BAD_DATA, "POINTS that are no numbers");
-    refuse("# vtk DataFile Version 3.0\nt\nASCII\nDATASET POLYDATA\nPOINTS 99999999999 float\n1 2 3\n", MNS_ERR_BAD_DATA, "ends in 'Points'");
-    refuse("# vtk DataFile Version 3.0\nt\nBINARY\nDATASET POLYDATA\nPOINTS 99999999999 float\n1 2 3\n", MNS_ERR_BAD_DATA, "ends in 'Points'");
-    refuse("# vtk DataFile Version 3.0\nt\nBINARY\nDATASET POLYDATA\nPOINTS 999999999999999999999 float\n1", MNS_ERR_BAD_DATA, "behind POINTS");
-    refuse("# vtk DataFile Version 3.0\nt\nBINARY\nDATASET POLYDATA\nFIELD f 1\na 1 2 string\n\xff" "ab", MNS_ERR_BAD_DATA, "ends in 'a'");
+    refuse("# vtk DataFile Version 3.0\nt\nASCII\nDATASET POLYDATA\nPOINTS 1 string\n1 2 3\n", MNS_ERR_BAD_DATA,
+           "POINTS that are no numbers");
+    refuse("# vtk DataFile Version 3.0\nt\nASCII\nDATASET POLYDATA\nPOINTS 99999999999 float\n1 2 3\n", MNS_ERR_BAD_DATA,
+           "ends in 'Points'");
+    refuse("# vtk DataFile Version 3.0\nt\nBINARY\nDATASET POLYDATA\nPOINTS 99999999999 float\n1 2 3\n", MNS_ERR_BAD_DATA,
+           "ends in 'Points'");
+    refuse("# vtk DataFile Version 3.0\nt\nBINARY\nDATASET POLYDATA\nPOINTS 999999999999999999999 float\n1", MNS_ERR_BAD_DATA,
+           "behind POINTS");
+    refuse("# vtk DataFile Version 3.0\nt\nBINARY\nDATASET POLYDATA\nFIELD f 1\na 1 2 string\n\xff"
+           "ab",
+           MNS_ERR_BAD_DATA, "ends in 'a'");
 }
 
 /* Up to the end of the points; behind them a file may end where a section does. */
@@ -299,7 +314,7 @@ static void cuts_are_refused(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_layout_is_read),     cmocka_unit_test(kinds_of_numbers),      cmocka_unit_test(few_or_no_particles),
+        cmocka_unit_test(every_layout_is_read),    cmocka_unit_test(kinds_of_numbers),       cmocka_unit_test(few_or_no_particles),
         cmocka_unit_test(bad_headers_are_refused), cmocka_unit_test(bad_bodies_are_refused), cmocka_unit_test(cuts_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

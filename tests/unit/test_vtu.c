@@ -348,7 +348,8 @@ static void bad_xml_is_refused(void **state)
     refuse_file("<VTKFile/>", MNS_ERR_BAD_DATA, "of type '' where 'PolyData' should be");
     refuse_file("<VTKFile type=\"ImageData\"/>", MNS_ERR_BAD_DATA, "of type 'ImageData' where 'PolyData' should be");
     refuse_file("<VTKFile type=\"PolyData\"></VTKFile>", MNS_ERR_BAD_DATA, "has no <PolyData>");
-    refuse_file("<VTKFile type=\"PolyData\">\n<!-- > --><PolyData>\n1 2\n3\n</Poly></VTKFile>", MNS_ERR_BAD_DATA, "line 5 of the XML: mismatched tag");
+    refuse_file("<VTKFile type=\"PolyData\">\n<!-- > --><PolyData>\n1 2\n3\n</Poly></VTKFile>", MNS_ERR_BAD_DATA,
+                "line 5 of the XML: mismatched tag");
     refuse_file("<VTKFile type=\"PolyData\"><![CDATA[ > ]]></VTKFile>", MNS_ERR_BAD_DATA, "has a CDATA section");
     refuse_file("<!DOCTYPE a [<!ENTITY b \"c\">]><VTKFile type=\"PolyData\"/>", MNS_ERR_BAD_DATA, "has a DOCTYPE");
     refuse_file("<VTKFile type=\"PolyData\"><a><a><a><a><a><a><a><a><a><a><a><a><a><a><a><a><a><a><a>", MNS_ERR_BAD_DATA,
