@@ -162,7 +162,7 @@ static void scene_job(void *context, int index)
     }
 }
 
-/* Room for the picture, with a row to spare so that bilinear taps need no test. */
+/* Room for the picture, with a row to spare so that bilinear taps need no test, nor do they beside a single column. */
 static bool resize(struct scene_image *scene, struct memory *memory, int width, int height)
 {
     ptrdiff_t stride = (width + BLOCK_WIDTH - 1) / BLOCK_WIDTH * BLOCK_WIDTH;
@@ -172,7 +172,8 @@ static bool resize(struct scene_image *scene, struct memory *memory, int width, 
     bool done = mns_memory_reserve(memory, &color, &scene->capacity, pixels, 4 * sizeof(float));
     scene->color = color;
     if (done) {
-        memset(scene->color + 4 * stride * height, 0, (size_t)stride * 4 * sizeof(float));
+        ptrdiff_t rows = width > 1 ? height : 0;
+        memset(scene->color + 4 * stride * rows, 0, (pixels - (size_t)(stride * rows)) * 4 * sizeof(float));
     }
     return done && (!scene->has_depth || mns_plane_resize(&scene->depth, memory, width, height, 0));
 }

@@ -10,8 +10,11 @@
 /* Part of the light on a white surface that deep fluid of a white particle colour scatters back. */
 static const float SCATTER_WHITE = 0.3f;
 
+/* Whole rows at a time: the scene comes from memory in streams that are as long as can be. */
+enum { ROWS_PER_JOB = 16 };
+
 /* Room for a row of normals with its margins, aligned as vectors want it. */
-enum { NORMALS_WIDTH = SHADE_TILE_WIDTH + 2 * SHADE_MARGIN };
+enum { NORMALS_WIDTH = SHADE_SPAN + 2 * SHADE_MARGIN };
 
 struct shade_run {
     struct backend *cpu;
@@ -21,7 +24,6 @@ struct shade_run {
     struct display_range range;
     float gain;
     bool has_color, needs_color, needs_curvature, needs_optics, needs_layers;
-    int tiles_x, tiles_y;
     atomic_int next;
 };
 
@@ -166,7 +168,7 @@ static void shade_row(struct shade_run *run, struct shade_row *row)
     const float *depth = run->surface->data + row->y * run->surface->stride + row->x;
     const float *scene_depth = optics->scene_depth ? optics->scene_depth + row->y * optics->scene_depth_stride + row->x : NULL;
     const struct mns_image *beauty = mns_frame_output(run->frame, MNS_LAYER_BEAUTY);
-    float curvature[SHADE_TILE_WIDTH];
+    float curvature[SHADE_SPAN];
     const float *pixels = row->out;
     int display = run->frame->params.display;
     bool diagram = mns_display_is_diagram(display);
@@ -206,17 +208,17 @@ static void shade_job(void *context, int index)
     (void)index;
     struct shade_run *run = context;
     struct shade_row row;
+    int width = run->optics.width, height = run->optics.height;
     for (;;) {
-        int tile = atomic_fetch_add(&run->next, 1);
-        if (tile >= run->tiles_x * run->tiles_y) {
+        int top = atomic_fetch_add(&run->next, ROWS_PER_JOB);
+        if (top >= height) {
             return;
         }
-        int left = tile % run->tiles_x * SHADE_TILE_WIDTH, top = tile / run->tiles_x * SHADE_TILE_HEIGHT;
-        int rest = run->optics.width - left, bottom = top + SHADE_TILE_HEIGHT;
-        row.x = left;
-        row.count = rest < SHADE_TILE_WIDTH ? rest : SHADE_TILE_WIDTH;
-        for (row.y = top; row.y < bottom && row.y < run->optics.height; row.y++) {
-            shade_row(run, &row);
+        for (row.y = top; row.y < top + ROWS_PER_JOB && row.y < height; row.y++) {
+            for (row.x = 0; row.x < width; row.x += SHADE_SPAN) {
+                row.count = width - row.x < SHADE_SPAN ? width - row.x : SHADE_SPAN;
+                shade_row(run, &row);
+            }
         }
     }
 }
@@ -233,8 +235,6 @@ mns_result mns_cpu_shade(struct backend *cpu, const struct frame *frame)
     run.needs_curvature = (wanted >> MNS_LAYER_CURVATURE & 1) || display == MNS_DISPLAY_CURVATURE;
     run.needs_optics = display == MNS_DISPLAY_BEAUTY || (wanted & (1u << MNS_LAYER_TRANSMITTANCE | 1u << MNS_LAYER_ALPHA)) != 0;
     run.needs_layers = (wanted & ~(1u << MNS_LAYER_BEAUTY)) != 0;
-    run.tiles_x = (frame->view.width + SHADE_TILE_WIDTH - 1) / SHADE_TILE_WIDTH;
-    run.tiles_y = (frame->view.height + SHADE_TILE_HEIGHT - 1) / SHADE_TILE_HEIGHT;
     if (wanted >> MNS_LAYER_BEAUTY & 1) {
         run.range = mns_display_measure(cpu, frame);
     }

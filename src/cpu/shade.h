@@ -1,4 +1,4 @@
-/* shade.h: the kernels of stage shade. A row of a tile goes through them in turn; each leaves its results in a struct shade_row, so that the
+/* shade.h: the kernels of stage shade. A span of a row goes through them in turn; each leaves its results in a struct shade_row, so that the
  * lookups in the scene, which no vector unit does well, stand in a loop of their own. */
 #ifndef MNS_CPU_SHADE_H
 #define MNS_CPU_SHADE_H
@@ -10,8 +10,7 @@
 #include <stddef.h>
 
 enum {
-    SHADE_TILE_WIDTH = 256, /* with 32 rows the scene under a tile stays in the second cache */
-    SHADE_TILE_HEIGHT = 32,
+    SHADE_SPAN = 256, /* pixels of a row at a time, at most: what the kernels hand on stays in the first cache */
     SHADE_MARGIN = 16 /* pixels on each side of a row of normals, for the curvature */
 };
 
@@ -33,8 +32,8 @@ struct shade_optics {
     float reflection, specular, shininess; /* specular: over the sun's light on a white surface */
     float opaque[3];                       /* colour of the surface where the fluid is opaque */
 
-    const float *scene;       /* [height][scene_stride][4] linear */
-    ptrdiff_t scene_stride;   /* pixels */
+    const float *scene;       /* [height + 1][scene_stride][4] linear */
+    ptrdiff_t scene_stride;   /* pixels, at least 2; what is beyond width and height is finite */
     const float *scene_depth; /* NULL: nothing stands before any fluid */
     ptrdiff_t scene_depth_stride;
     int width, height;
@@ -44,15 +43,15 @@ struct shade_optics {
 /* Pixels x to x + count - 1 of row y. Normals and positions in image space; kernels leave alone what stands where nz is 0. */
 struct shade_row {
     int x, y, count;
-    float nx[SHADE_TILE_WIDTH], ny[SHADE_TILE_WIDTH], nz[SHADE_TILE_WIDTH]; /* unit, towards the eye; 0 where no fluid shows */
-    float depth[SHADE_TILE_WIDTH], thickness[SHADE_TILE_WIDTH];
-    float color[3][SHADE_TILE_WIDTH];         /* of the particles, where they have one */
-    float transmittance[3][SHADE_TILE_WIDTH]; /* of the fluid's body, without its surface */
-    float fresnel[SHADE_TILE_WIDTH];
-    float look_x[SHADE_TILE_WIDTH],
-        look_y[SHADE_TILE_WIDTH];       /* where the scene is looked up: pixel centres at whole numbers, inside the picture */
-    float behind[4 * SHADE_TILE_WIDTH]; /* what was found there: [count][4] */
-    float out[4 * SHADE_TILE_WIDTH];    /* [count][4] linear, straight alpha */
+    float nx[SHADE_SPAN], ny[SHADE_SPAN], nz[SHADE_SPAN]; /* unit, towards the eye; 0 where no fluid shows */
+    float depth[SHADE_SPAN], thickness[SHADE_SPAN];
+    float color[3][SHADE_SPAN];         /* of the particles, where they have one */
+    float transmittance[3][SHADE_SPAN]; /* of the fluid's body, without its surface */
+    float fresnel[SHADE_SPAN];
+    float look_x[SHADE_SPAN],
+        look_y[SHADE_SPAN];       /* where the scene is looked up: pixel centres at whole numbers, inside the picture */
+    float behind[4 * SHADE_SPAN]; /* what was found there: [count][4] */
+    float out[4 * SHADE_SPAN];    /* [count][4] linear, straight alpha */
 };
 
 /* Rows of normals above, at and below a row of pixels: n[row][component], pixel 0 at index 0, one more pixel on each side. */
@@ -89,8 +88,8 @@ struct shade_kernels {
     /* Fresnel reflectance, transmittance, lookup. has_color: the particles' colours tint. 4e-6; lookups 2e-4 pixels in 2000. */
     void (*optics)(const struct shade_optics *optics, bool has_color, struct shade_row *row);
 
-    /* behind: the scene at the lookups, bilinear; towards the pixel itself where something that stands before the fluid would be seen. Where no
-     * fluid is: the pixel's own scene. 2e-6 for equal lookups. */
+    /* behind, where fluid is: the scene at the lookups, bilinear; towards the pixel itself where something that stands before the fluid would be
+     * seen, for which the lookups may be moved. 2e-6 for equal lookups. */
     void (*fetch)(const struct shade_optics *optics, struct shade_row *row);
 
     /* out: the fluid over what is behind ([LGS09] eq. 13 and 14). 1e-4 of the largest value: the highlight is a high power. */

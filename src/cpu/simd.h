@@ -458,6 +458,8 @@ SIMD void vf_stream_end(void)
 #endif
 }
 
+SIMD void simd_prefetch(const void *p) { __builtin_prefetch(p); }
+
 SIMD int vm_any(vm a) { return vm_bits(a) != 0; }
 SIMD int vm_all(vm a) { return vm_bits(a) == (1u << VLEN) - 1u; }
 SIMD vf vf_either(int first, vf a, vf b) /* for all lanes alike; ?: wants one spelling of the type */
@@ -467,6 +469,7 @@ SIMD vf vf_either(int first, vf a, vf b) /* for all lanes alike; ?: wants one sp
     }
     return b;
 }
+SIMD vi vi_select(vm m, vi a, vi b) { return vf_bits(vf_select(m, vi_as_float(a), vi_as_float(b))); }
 SIMD vf vf_zero(void) { return vf_set1(0.0f); }
 SIMD vf vf_clamp(vf a, vf low, vf high) { return vf_min(vf_max(a, low), high); }
 
@@ -564,5 +567,20 @@ SIMD v4 v4_loadu(const float *p)
     return a;
 }
 SIMD void v4_storeu(float *p, v4 a) { __builtin_memcpy(p, &a, sizeof(a)); }
+
+/* Between two texels side by side at top and the two at bottom, fx to the right and fy down. */
+SIMD v4 v4_bilinear(const float *top, const float *bottom, float fx, float fy)
+{
+#if defined(MNS_SIMD_AVX512) || defined(MNS_SIMD_AVX2)
+    __m256 a = _mm256_loadu_ps(top);
+    a = _mm256_fmadd_ps(_mm256_set1_ps(fy), _mm256_sub_ps(_mm256_loadu_ps(bottom), a), a);
+    v4 left = _mm256_castps256_ps128(a), right = _mm256_extractf128_ps(a, 1);
+#else
+    v4 left = v4_loadu(top), right = v4_loadu(top + 4);
+    left += fy * (v4_loadu(bottom) - left);
+    right += fy * (v4_loadu(bottom + 4) - right);
+#endif
+    return left + fx * (right - left);
+}
 
 #endif

@@ -143,7 +143,11 @@ static void compare_optics(const struct shade_optics *o, const struct shade_kern
     got = *row;
     memset(got.behind, 0, sizeof(got.behind));
     vector->fetch(o, &got);
-    assert_near(got.behind, row->behind, 4 * row->count, 2e-6f);
+    for (int i = 0; i < row->count; i++) {
+        if (row->nz[i] != 0) {
+            assert_near(got.behind + 4 * i, row->behind + 4 * i, 4, 2e-6f);
+        }
+    }
 }
 
 static void compare_colors(const struct shade_optics *o, const struct shade_kernels *vector, bool has_color, const struct shade_row *row)

@@ -188,8 +188,8 @@ static void fetch(const struct shade_optics *o, struct shade_row *row)
 {
     for (int i = 0; i < row->count; i++) {
         float x = (float)(row->x + i), y = (float)row->y, *out = row->behind + 4 * i;
-        bool found = false;
-        for (float part = 1; row->nz[i] != 0 && !found && part > 0.2f; part *= 0.5f) { /* three tries towards the pixel */
+        bool found = row->nz[i] == 0;
+        for (float part = 1; !found && part > 0.2f; part *= 0.5f) { /* three tries towards the pixel */
             found = scene_at(o, x + part * (row->look_x[i] - x), y + part * (row->look_y[i] - y), row->depth[i], out);
         }
         for (int c = 0; c < 4 && !found; c++) {

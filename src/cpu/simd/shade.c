@@ -184,56 +184,61 @@ static void optics(const struct shade_optics *o, bool has_color, struct shade_ro
     }
 }
 
-/* The four texels about (x, y) and how far it is into them; right and below are 0 in a picture of one column or row. */
-struct taps {
-    ptrdiff_t left, top, right, below;
-    float fx, fy;
-};
-
-SIMD struct taps taps_at(const struct shade_optics *o, float x, float y)
+/* The left one of the texels about `at`, which is within [0, size - 1] or anything where no fluid is. */
+SIMD vf first_tap(vf at, int size)
 {
-    int left = (int)x, top = (int)y, last_left = o->width - 2, last_top = o->height - 2;
-    left = left < last_left ? left : last_left;
-    top = top < last_top ? top : last_top;
-    left = left > 0 ? left : 0;
-    top = top > 0 ? top : 0;
-    return (struct taps){left, top, o->width > 1, o->height > 1, x - (float)left, y - (float)top};
-}
-
-SIMD v4 bilinear(const struct shade_optics *o, struct taps taps)
-{
-    const float *texel = o->scene + 4 * (taps.top * o->scene_stride + taps.left), *under = texel + 4 * taps.below * o->scene_stride;
-    v4 a = v4_loadu(texel), b = v4_loadu(under);
-    a += taps.fx * (v4_loadu(texel + 4 * taps.right) - a);
-    b += taps.fx * (v4_loadu(under + 4 * taps.right) - b);
-    return a + taps.fy * (b - a);
+    int last = size - 2;
+    return vf_clamp(vf_floor(at), vf_zero(), vf_set1((float)(last > 0 ? last : 0)));
 }
 
 /* Whether anything at (x, y) stands before depth. */
 SIMD bool hidden(const struct shade_optics *o, float x, float y, float depth)
 {
-    struct taps taps = taps_at(o, x, y);
-    const float *d = o->scene_depth + taps.top * o->scene_depth_stride + taps.left, *e = d + taps.below * o->scene_depth_stride;
-    return d[0] < depth || d[taps.right] < depth || e[0] < depth || e[taps.right] < depth;
+    int left = (int)x, top = (int)y, last_left = o->width - 2, last_top = o->height - 2;
+    left = left < last_left ? left : last_left > 0 ? last_left : 0;
+    top = top < last_top ? top : last_top > 0 ? last_top : 0;
+    const float *d = o->scene_depth + top * o->scene_depth_stride + left, *e = d + (o->height > 1) * o->scene_depth_stride;
+    ptrdiff_t right = o->width > 1;
+    return d[0] < depth || d[right] < depth || e[0] < depth || e[right] < depth;
 }
+
+/* Lookups that would see what stands before the fluid go back towards their own pixels. */
+static void draw_back(const struct shade_optics *o, struct shade_row *row)
+{
+    for (int i = 0; i < row->count; i++) {
+        float x = (float)(row->x + i), y = (float)row->y;
+        for (int tries = 0; row->nz[i] != 0 && tries < 3 && hidden(o, row->look_x[i], row->look_y[i], row->depth[i]); tries++) {
+            row->look_x[i] = tries < 2 ? x + 0.5f * (row->look_x[i] - x) : x;
+            row->look_y[i] = tries < 2 ? y + 0.5f * (row->look_y[i] - y) : y;
+        }
+    }
+}
+
+SIMD bool is_any_fluid(const struct shade_row *row, int i) { return vm_any(vf_lt(vf_zero(), vf_abs(vf_loadu(row->nz + i)))); }
 
 static void fetch(const struct shade_optics *o, struct shade_row *row)
 {
-    const float *own = o->scene + 4 * (row->y * o->scene_stride + row->x);
-    for (int i = 0; i < row->count; i++) {
-        if (row->nz[i] == 0) {
-            v4_storeu(row->behind + 4 * i, v4_loadu(own + 4 * i));
-            continue;
+    if (o->scene_depth) {
+        draw_back(o, row);
+    }
+    const ptrdiff_t below = 4 * o->scene_stride;
+    int32_t texel[SHADE_SPAN];
+    float into_x[SHADE_SPAN], into_y[SHADE_SPAN];
+    for (int i = 0; i < row->count; i += VLEN) {
+        vf x = vf_loadu(row->look_x + i), y = vf_loadu(row->look_y + i), left = first_tap(x, o->width), top = first_tap(y, o->height);
+        vi_storeu(texel + i, vi_add(vi_mul(vf_truncate(top), vi_set1((int)o->scene_stride)), vf_truncate(left)));
+        vf_storeu(into_x + i, x - left);
+        vf_storeu(into_y + i, y - top);
+        for (int k = i; is_any_fluid(row, i) && k < i + VLEN; k++) { /* waves send neighbours anywhere */
+            simd_prefetch(o->scene + 4 * (ptrdiff_t)texel[k]);
+            simd_prefetch(o->scene + 4 * (ptrdiff_t)texel[k] + below);
         }
-        float x = row->look_x[i], y = row->look_y[i];
-        if (o->scene_depth) {
-            float at_x = (float)(row->x + i), at_y = (float)row->y;
-            for (int tries = 0; tries < 3 && hidden(o, x, y, row->depth[i]); tries++) {
-                x = tries < 2 ? at_x + 0.5f * (x - at_x) : at_x;
-                y = tries < 2 ? at_y + 0.5f * (y - at_y) : at_y;
-            }
+    }
+    for (int begin = 0; begin < row->count; begin += VLEN) {
+        for (int i = begin; is_any_fluid(row, begin) && i < begin + VLEN; i++) {
+            const float *first = o->scene + 4 * (ptrdiff_t)texel[i];
+            v4_storeu(row->behind + 4 * i, v4_bilinear(first, first + below, into_x[i], into_y[i]));
         }
-        v4_storeu(row->behind + 4 * i, bilinear(o, taps_at(o, x, y)));
     }
 }
 
