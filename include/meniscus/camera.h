@@ -15,8 +15,9 @@ struct mns_camera {
     int width, height;       /* pixels, 1 to 32768 each */
     double view[16];         /* world to view: a rotation and a translation, no scale */
     double projection[16];   /* view to clip, clip y up: perspective (off-centre too) or orthographic */
-    double near_plane;       /* metres along the view axis, > 0 for a perspective; fluid nearer than this is cut away per pixel */
-    double far_plane;        /* metres, > near_plane; fluid farther than this is not drawn */
+    double near_plane;       /* metres along the view axis, > 0 for a perspective; fluid nearer than this, or behind the eye, is cut away
+                              * per pixel */
+    double far_plane;        /* metres, > near_plane, may be INFINITY; fluid farther than this is not drawn */
 };
 
 /* A width x height camera at the origin that looks down -z with a vertical field of view of 45 degrees, near 0.01, far 1e6. */
@@ -25,6 +26,11 @@ static inline void mns_camera_init(struct mns_camera *camera, int width, int hei
 {
     mns_camera_init_sized(camera, width, height, sizeof(*camera));
 }
+
+/* The functions below return MNS_OK, or MNS_ERR_INVALID_ARGUMENT and leave the camera as it was. All vectors are in world space, metres.
+ *
+ * What a draw refuses besides: projections that are skewed or mirrored, focal lengths outside 1e-18 to 1e18 pixels (orthographic: pixels per
+ * metre). */
 
 /* Sets view. When up is parallel to the line of sight another axis is taken. eye and target must differ. */
 MNS_API mns_result mns_camera_look_at(struct mns_camera *camera, const double eye[3], const double target[3], const double up[3]);
@@ -37,7 +43,7 @@ MNS_API mns_result mns_camera_frustum(struct mns_camera *camera, double left, do
                                       double near_plane, double far_plane);
 
 /* Sets an orthographic projection that shows view_height metres from bottom to top, with square pixels.
- * near_plane may be negative. */
+ * near_plane may be negative, which lets in no more than 0 does: depths are positive. */
 MNS_API mns_result mns_camera_orthographic(struct mns_camera *camera, double view_height, double near_plane, double far_plane);
 
 /* Sets view and projection so that the box fills the picture, seen from in front, from the right and from above.

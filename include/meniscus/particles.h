@@ -17,14 +17,15 @@ struct mns_attr {
 };
 
 /* A set of particles. Borrowed: read during the call, never kept, never written.
- * Particles whose position is not finite are left out and counted (struct mns_measure). */
+ * Particles whose position is not finite are left out and counted (struct mns_measure); the others may span 1e12 m along each axis, wherever in
+ * the world. Attributes may have any type unless a line says otherwise. */
 struct mns_particles {
     size_t struct_size;       /* set by mns_particles_init */
     size_t count;             /* at most 2^32 - 65 */
     struct mns_attr position; /* [count][3], metres, world space; float32 or float64. Required unless count is 0 */
-    struct mns_attr radius;   /* [count], metres, > 0 and finite; half the rest spacing. Absent: mns_params.radius */
-    struct mns_attr mass;     /* [count], kg, > 0. With mns_params.rest_density it gives the rest volume */
-    struct mns_attr color;    /* [count][3], linear RGB, 0 to 1. Absent: the fluid has its own colour */
+    struct mns_attr radius;   /* [count], metres, 1e-12 to 1e12; half the rest spacing. Absent: mns_params.radius */
+    struct mns_attr mass;     /* [count], kg, 1e-30 to 1e18. With mns_params.rest_density it gives the rest volume */
+    struct mns_attr color;    /* [count][3], linear RGB, held to 0 to 1 (NaN: 0). Absent: the fluid has its own colour */
     struct mns_attr velocity; /* [count][3], m/s. Read by no stage of this version */
     struct mns_attr density;  /* [count], kg/m^3. Read by no stage of this version */
     struct mns_attr id;       /* [count], integer. Read by no stage of this version */

@@ -2,6 +2,7 @@
 #include <meniscus/camera.h>
 
 #include <math.h>
+#include <stdbool.h>
 #include <string.h>
 
 static const double PI = 3.14159265358979323846;
@@ -16,16 +17,16 @@ static void cross(double out[3], const double a[3], const double b[3])
 }
 
 /* false: too short, or not finite. */
-static int normalize(double v[3])
+static bool normalize(double v[3])
 {
     double length = sqrt(dot(v, v));
     if (!(length > 0) || !isfinite(length)) {
-        return 0;
+        return false;
     }
     for (int i = 0; i < 3; i++) {
         v[i] /= length;
     }
-    return 1;
+    return true;
 }
 
 void mns_camera_init_sized(struct mns_camera *camera, int width, int height, size_t size)
@@ -82,9 +83,10 @@ mns_result mns_camera_frustum(struct mns_camera *camera, double left, double rig
     p[5] = 2 * near_plane / (top - bottom);
     p[8] = (right + left) / (right - left);
     p[9] = (top + bottom) / (top - bottom);
-    p[10] = -(far_plane + near_plane) / (far_plane - near_plane);
+    bool ends = isfinite(far_plane);
+    p[10] = ends ? -(far_plane + near_plane) / (far_plane - near_plane) : -1;
     p[11] = -1;
-    p[14] = -2 * far_plane * near_plane / (far_plane - near_plane);
+    p[14] = -2 * near_plane * (ends ? far_plane / (far_plane - near_plane) : 1);
     camera->near_plane = near_plane;
     camera->far_plane = far_plane;
     return MNS_OK;
@@ -108,8 +110,9 @@ mns_result mns_camera_orthographic(struct mns_camera *camera, double view_height
     memset(p, 0, sizeof(camera->projection));
     p[0] = 2 / (view_height * camera->width / camera->height);
     p[5] = 2 / view_height;
-    p[10] = -2 / (far_plane - near_plane);
-    p[14] = -(far_plane + near_plane) / (far_plane - near_plane);
+    bool ends = isfinite(far_plane);
+    p[10] = ends ? -2 / (far_plane - near_plane) : 0;
+    p[14] = ends ? -(far_plane + near_plane) / (far_plane - near_plane) : -1;
     p[15] = 1;
     camera->near_plane = near_plane;
     camera->far_plane = far_plane;

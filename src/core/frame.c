@@ -15,6 +15,9 @@ enum { SPACING_COUNT = 1000 };
 /* Radius of particles of which it cannot be told, metres: mns_camera_frame shows such a set as a box of this half-size. */
 static const double RADIUS_UNKNOWN = 0.5;
 
+/* The least radius, metres, as of the parameter: powers of a smaller one leave the range of float. */
+static const double RADIUS_LEAST = 1e-12;
+
 /* The light of the default sun on a white surface that faces it, and how many floor cells go into L. */
 static const float SUN_LIGHT[3] = {1.9f, 1.75f, 1.5f};
 static const float CELLS_PER_SIZE = 2;
@@ -120,7 +123,7 @@ static void resolve_sizes(struct frame *out)
     const struct mns_params *params = &out->params;
     const struct particle_facts *facts = out->facts;
     bool own_radius = facts->has_radius && params->radius <= 0;
-    double radius = params->radius > 0 ? (double)params->radius : facts->radius > 0 ? facts->radius : RADIUS_UNKNOWN;
+    double radius = params->radius > 0 ? (double)params->radius : facts->radius > 0 ? fmax(facts->radius, RADIUS_LEAST) : RADIUS_UNKNOWN;
     out->splat_radius = (float)(radius * (double)params->radius_scale);
     out->splat_scale = own_radius ? params->radius_scale : 0;
 

@@ -17,7 +17,6 @@ struct view {
     float translation[3];
     float fx, fy, cx, cy;  /* pixels (perspective) or pixels per metre (orthographic) */
     float near_plane, far_plane;
-    float eye[3];          /* relative to the set's origin; orthographic: a point on the axis */
 };
 
 /* Sums over the prepared set that defaults depend on. */

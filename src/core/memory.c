@@ -60,15 +60,15 @@ void mns_memory_put(struct memory *memory, void *block, size_t count, size_t siz
     }
 }
 
-bool mns_memory_reserve(struct memory *memory, void **block, size_t *capacity, size_t count, size_t size)
+void *mns_memory_reserve(struct memory *memory, void *block, size_t *capacity, size_t count, size_t size)
 {
-    if (*block && *capacity >= count) {
-        return true;
+    if (block && *capacity >= count) {
+        return block;
     }
     size_t grown = *capacity + *capacity / 2;
     size_t wanted = count > grown ? count : grown;
-    mns_memory_put(memory, *block, *capacity, size);
-    *block = mns_memory_get(memory, wanted, size);
-    *capacity = *block ? wanted : 0;
-    return *block != NULL;
+    mns_memory_put(memory, block, *capacity, size);
+    block = mns_memory_get(memory, wanted, size);
+    *capacity = block ? wanted : 0;
+    return block;
 }

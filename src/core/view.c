@@ -7,6 +7,13 @@
 
 enum { SIZE_MAX_PIXELS = 32768 };
 
+/* Nearest that fluid may be, metres: what is at the eye or behind it has no place in a picture, even an orthographic one. */
+static const float NEAR_LEAST = 1e-20f;
+
+/* So that products stay finite: a camera farther from the particles than this, metres, sees as much of them from here, which is nothing; and
+ * bounds of focal lengths, pixels. */
+static const double DISTANCE_MAX = 1e15, FOCAL_LEAST = 1e-18, FOCAL_MAX = 1e18;
+
 /* How far a view matrix may be from a rotation: engines keep theirs in float. */
 static const double ROTATION_TOLERANCE = 1e-3;
 
@@ -66,14 +73,22 @@ static mns_result resolve_projection(struct view *out, const struct mns_camera *
     /* perspective: clip x = p00 x + p02 z with z = -depth; orthographic: clip x = p00 x + p03 */
     double shift_x = perspective ? -at(p, 0, 2) / w : at(p, 0, 3) / w, shift_y = perspective ? -at(p, 1, 2) / w : at(p, 1, 3) / w;
     double strays = perspective ? fabs(at(p, 0, 3)) + fabs(at(p, 1, 3)) : fabs(at(p, 0, 2)) + fabs(at(p, 1, 2));
-    out->orthographic = orthographic;
-    out->fx = (float)(0.5 * camera->width * at(p, 0, 0) / w);
-    out->fy = (float)(0.5 * camera->height * at(p, 1, 1) / w);
-    out->cx = (float)(0.5 * camera->width * (1 + shift_x));
-    out->cy = (float)(0.5 * camera->height * (1 - shift_y));
-    if (!(out->fx > 0) || !(out->fy > 0) || strays != 0) {
+    const double fx = 0.5 * camera->width * at(p, 0, 0) / w, fy = 0.5 * camera->height * at(p, 1, 1) / w;
+    const double cx = 0.5 * camera->width * (1 + shift_x), cy = 0.5 * camera->height * (1 - shift_y);
+    if (!(fx > 0) || !(fy > 0) || strays != 0) {
         return mns_fail(message, MNS_ERR_INVALID_ARGUMENT, "the projection mirrors or shears the picture");
     }
+    if (!(fmin(fx, fy) >= FOCAL_LEAST) || !(fmax(fx, fy) <= FOCAL_MAX) || !(fmax(fabs(cx), fabs(cy)) <= FOCAL_MAX)) {
+        return mns_fail(
+            message, MNS_ERR_INVALID_ARGUMENT,
+            "the projection has focal lengths of %g x %g pixels about (%g, %g); they must be from %g to %g, the centre within %g", fx, fy,
+            cx, cy, FOCAL_LEAST, FOCAL_MAX, FOCAL_MAX);
+    }
+    out->orthographic = orthographic;
+    out->fx = (float)fx;
+    out->fy = (float)fy;
+    out->cx = (float)cx;
+    out->cy = (float)cy;
     if (perspective && !(camera->near_plane > 0)) {
         return mns_fail(message, MNS_ERR_INVALID_ARGUMENT, "the camera's near plane is at %g; a perspective needs it beyond 0",
                         camera->near_plane);
@@ -88,7 +103,7 @@ mns_result mns_view_resolve(struct view *out, const struct mns_camera *camera, c
         return result;
     }
     *out = (struct view){.width = camera->width, .height = camera->height};
-    out->near_plane = (float)camera->near_plane;
+    out->near_plane = fmaxf((float)fmin(camera->near_plane, 1e30), NEAR_LEAST);
     out->far_plane = (float)fmin(camera->far_plane, 1e30);
     result = resolve_projection(out, camera, message);
     if (result != MNS_OK) {
@@ -97,22 +112,14 @@ mns_result mns_view_resolve(struct view *out, const struct mns_camera *camera, c
     if (!is_rotation(camera->view)) {
         return mns_fail(message, MNS_ERR_INVALID_ARGUMENT, "the view matrix is no rotation and translation: it scales, shears or mirrors");
     }
-    double translation[3], eye[3];
     for (int row = 0; row < 3; row++) {
         double sign = row == 0 ? 1 : -1; /* view space is (x, -y, -z) of image space */
-        translation[row] = sign * at(camera->view, row, 3);
+        double translation = sign * at(camera->view, row, 3);
         for (int column = 0; column < 3; column++) {
             out->rotation[3 * row + column] = (float)(sign * at(camera->view, row, column));
-            translation[row] += sign * at(camera->view, row, column) * origin[column];
+            translation += sign * at(camera->view, row, column) * origin[column];
         }
-        out->translation[row] = (float)translation[row];
-    }
-    for (int k = 0; k < 3; k++) {
-        eye[k] = 0;
-        for (int row = 0; row < 3; row++) {
-            eye[k] -= (double)out->rotation[3 * row + k] * translation[row];
-        }
-        out->eye[k] = (float)eye[k];
+        out->translation[row] = (float)fmax(fmin(translation, DISTANCE_MAX), -DISTANCE_MAX);
     }
     return MNS_OK;
 }

@@ -184,13 +184,6 @@ static void sum_counts(struct bin *bin)
     tiles->begin[count] = place;
 }
 
-#define RESERVE(field, capacity, count) reserve(memory, (void **)&(field), &(capacity), count, sizeof(*(field)))
-
-static bool reserve(struct memory *memory, void **field, size_t *capacity, size_t count, size_t size)
-{
-    return mns_memory_reserve(memory, field, capacity, count, size);
-}
-
 mns_result mns_cpu_bin(struct backend *cpu, const struct frame *frame)
 {
     struct memory *memory = cpu->host.memory;
@@ -209,15 +202,16 @@ mns_result mns_cpu_bin(struct backend *cpu, const struct frame *frame)
     bin.slices = cpu->host.threads < SLICES_MAX ? cpu->host.threads : SLICES_MAX;
 
     size_t count = tile_count(tiles);
-    if (!RESERVE(tiles->chunks, tiles->chunk_capacity, cpu->particles.chunk_count) ||
-        !RESERVE(tiles->begin, tiles->begin_capacity, count + 1) ||
-        !RESERVE(tiles->counts, tiles->count_capacity, count * (size_t)bin.slices)) {
+    tiles->chunks = mns_memory_reserve(memory, tiles->chunks, &tiles->chunk_capacity, cpu->particles.chunk_count, sizeof(*tiles->chunks));
+    tiles->begin = mns_memory_reserve(memory, tiles->begin, &tiles->begin_capacity, count + 1, sizeof(*tiles->begin));
+    tiles->counts = mns_memory_reserve(memory, tiles->counts, &tiles->count_capacity, count * (size_t)bin.slices, sizeof(*tiles->counts));
+    if (!tiles->chunks || !tiles->begin || !tiles->counts) {
         return cpu_out_of_memory(cpu);
     }
     cpu_run(cpu, bounds_job, &bin, bin.slices);
     sum_counts(&bin);
-    if (!RESERVE(tiles->entries, tiles->entry_capacity, tiles->begin[count]) ||
-        !mns_tiles_reserve_scratch(tiles, memory, cpu->host.threads)) {
+    tiles->entries = mns_memory_reserve(memory, tiles->entries, &tiles->entry_capacity, tiles->begin[count], sizeof(*tiles->entries));
+    if (!tiles->entries || !mns_tiles_reserve_scratch(tiles, memory, cpu->host.threads)) {
         return cpu_out_of_memory(cpu);
     }
     cpu_run(cpu, scatter_job, &bin, bin.slices);

@@ -10,8 +10,8 @@
 
 enum { RADIX_BITS = 10, RADIX = 1 << RADIX_BITS, KEY_BITS = 30, SLICE_MAX = 64 };
 
-/* Squares of lengths in the picture's arithmetic must stay finite. */
-static const double LARGEST_EXTENT = 1e15;
+/* Cubes of lengths in the picture's arithmetic must stay finite. */
+static const double LARGEST_EXTENT = 1e12;
 
 /* A particle on its way to its place. */
 struct entry {
@@ -191,7 +191,8 @@ static void gather_chunk(struct fill *fill, size_t chunk, enum mns_type type)
             store->mass[i] = (float)mns_attr_get(&in->mass, in->mass.type, 1, index, 0);
         }
         for (int k = 0; k < 3 && store->color[k]; k++) {
-            store->color[k][i] = (float)mns_attr_get(&in->color, in->color.type, 3, index, k);
+            double value = mns_attr_get(&in->color, in->color.type, 3, index, k);
+            store->color[k][i] = value > 0 ? value < 1 ? (float)value : 1 : 0; /* NaN: 0 */
         }
     }
     for (int k = 0; k < 3; k++) {
@@ -248,13 +249,15 @@ static bool allocate_store(struct particle_store *store, struct memory *memory, 
     return done;
 }
 
-/* The attributes that every particle must have right: positive and finite. */
-static mns_result check_positive(const struct mns_particles *in, const struct mns_attr *attr, const char *what, struct mns_message *message)
+/* What every particle must have right. */
+static mns_result check_range(const struct mns_particles *in, const struct mns_attr *attr, const char *what, float least, float most,
+                              struct mns_message *message)
 {
     for (size_t i = 0; attr->data && i < in->count; i++) {
         double value = mns_attr_get(attr, attr->type, 1, i, 0);
-        if (!(value > 0) || !(value < 1e18)) {
-            return mns_fail(message, MNS_ERR_INVALID_ARGUMENT, "the %s of particle %zu is %g; it must be positive and finite", what, i, value);
+        if (!((float)value >= least) || !((float)value <= most)) {
+            return mns_fail(message, MNS_ERR_INVALID_ARGUMENT, "the %s of particle %zu is %g; it must be from %g to %g", what, i, value,
+                            (double)least, (double)most);
         }
     }
     return MNS_OK;
@@ -273,8 +276,8 @@ static mns_result check(const struct mns_particles *in, struct mns_message *mess
         return mns_fail(message, MNS_ERR_INVALID_ARGUMENT, "positions are %s; they must be float32 or float64",
                         mns_type_name(in->position.type));
     }
-    mns_result result = check_positive(in, &in->radius, "radius", message);
-    return result == MNS_OK ? check_positive(in, &in->mass, "mass", message) : result;
+    mns_result result = check_range(in, &in->radius, "radius", 1e-12f, 1e12f, message); /* as the parameter `radius` */
+    return result == MNS_OK ? check_range(in, &in->mass, "mass", 1e-30f, 1e18f, message) : result;
 }
 
 /* Bounds of the finite particles, the origin in their middle, and how many there are. */
@@ -302,15 +305,29 @@ static void measure_bounds(struct fill *fill, struct mns_measure *measure)
     }
 }
 
-/* Every step-th value of get(i): the sample that quantiles are told from. Returns how many. */
-static size_t take_sample(const struct fill *fill, int component, float *sample)
+/* One particle of each run of `step`, at a place in it that no order of the particles follows: every step-th would meet the same few
+ * columns of a set that is written row by row. */
+static size_t sample_index(size_t run, size_t step)
+{
+    uint32_t hash = (uint32_t)run * 2654435761u;
+    hash = (hash ^ hash >> 15) * 2246822519u;
+    return run * step + (hash ^ hash >> 13) % step;
+}
+
+/* The sample that quantiles are told from: values[0..2] positions, values[3] radii if there are some. [QUANTILE_SAMPLE + 1] each. Returns how
+ * many. */
+static size_t take_sample(const struct fill *fill, float *values[4])
 {
     const struct mns_particles *in = fill->particles;
     size_t step = in->count / QUANTILE_SAMPLE + 1, taken = 0;
-    for (size_t i = 0; i < in->count; i += step) {
+    for (size_t run = 0; run * step < in->count; run++) {
+        size_t i = sample_index(run, step);
         float p[3];
-        if (position_of(fill, in->position.type, i, p)) {
-            sample[taken++] = component < 3 ? p[component] : (float)mns_attr_get(&in->radius, in->radius.type, 1, i, 0);
+        if (i < in->count && position_of(fill, in->position.type, i, p)) {
+            for (int k = 0; k < 3; k++) {
+                values[k][taken] = p[k];
+            }
+            values[3][taken++] = in->radius.data ? (float)mns_attr_get(&in->radius, in->radius.type, 1, i, 0) : 0;
         }
     }
     return taken;
@@ -319,17 +336,20 @@ static size_t take_sample(const struct fill *fill, int component, float *sample)
 /* The inner bounds, the median radius, and the grid that the order is taken on: stray particles must not make it coarse. */
 static bool measure_quantiles(struct fill *fill, struct memory *memory, struct mns_measure *measure)
 {
-    float *sample = mns_memory_get(memory, QUANTILE_SAMPLE + 1, sizeof(float));
+    const size_t room = 4 * (QUANTILE_SAMPLE + 1);
+    float *sample = mns_memory_get(memory, room, sizeof(float)), *values[4], extent = 0;
     if (!sample) {
         return false;
     }
-    float extent = 0;
+    for (int k = 0; k < 4; k++) {
+        values[k] = sample + k * (QUANTILE_SAMPLE + 1);
+    }
+    size_t taken = take_sample(fill, values);
     for (int k = 0; k < 3; k++) {
-        size_t taken = take_sample(fill, k, sample);
         float low = fill->store->facts.bounds_min[k], high = fill->store->facts.bounds_max[k];
         if (taken > 0) {
-            low = mns_select(sample, taken, taken / 1000);
-            high = mns_select(sample, taken, taken - 1 - taken / 1000);
+            low = mns_select(values[k], taken, taken / 1000);
+            high = mns_select(values[k], taken, taken - 1 - taken / 1000);
         }
         measure->inner_min[k] = fill->origin[k] + (double)low;
         measure->inner_max[k] = fill->origin[k] + (double)high;
@@ -337,11 +357,10 @@ static bool measure_quantiles(struct fill *fill, struct memory *memory, struct m
         extent = fmaxf(extent, high - low);
     }
     fill->grid_scale = extent > 0 ? 1023.0f / extent : 0;
-    if (fill->particles->radius.data) {
-        size_t taken = take_sample(fill, 3, sample);
-        measure->radius = taken > 0 ? (double)mns_select(sample, taken, taken / 2) : 0;
+    if (fill->particles->radius.data && taken > 0) {
+        measure->radius = (double)mns_select(values[3], taken, taken / 2);
     }
-    mns_memory_put(memory, sample, QUANTILE_SAMPLE + 1, sizeof(float));
+    mns_memory_put(memory, sample, room, sizeof(float));
     return true;
 }
 
@@ -398,7 +417,7 @@ mns_result mns_particle_store_fill(struct particle_store *store, struct memory *
     }
     for (int k = 0; k < 3; k++) {
         if (!(measure->bounds_max[k] - measure->bounds_min[k] < LARGEST_EXTENT)) {
-            store->count = 0;
+            *store = (struct particle_store){0};
             return mns_fail(message, MNS_ERR_INVALID_ARGUMENT, "the particles span %g m along %c; at most %g can be drawn",
                             measure->bounds_max[k] - measure->bounds_min[k], "xyz"[k], LARGEST_EXTENT);
         }

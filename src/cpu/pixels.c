@@ -21,6 +21,13 @@ void mns_srgb_decoder_init(struct srgb_decoder *decoder, enum mns_pixel pixel)
     }
 }
 
+/* What is not finite counts as 0. Colours are still multiplied, by 2^20 at the highest exposure, and must not become infinite then. */
+static float decode_float(float value)
+{
+    static const float COLOR_MAX = 1e15f;
+    return isfinite(value) ? fmaxf(fminf(value, COLOR_MAX), -COLOR_MAX) : 0;
+}
+
 static float decode_16(const struct srgb_decoder *decoder, uint16_t code)
 {
     float at = (float)code * ((float)SRGB_STEPS / 65535);
@@ -37,7 +44,7 @@ void mns_pixels_decode(const struct srgb_decoder *decoder, const struct mns_imag
             switch (image->pixel) {
             case MNS_PIXEL_U8: out[4 * x + c] = decoder->linear[((const uint8_t *)row)[at]]; break;
             case MNS_PIXEL_U16: out[4 * x + c] = decode_16(decoder, ((const uint16_t *)row)[at]); break;
-            case MNS_PIXEL_F32: out[4 * x + c] = isfinite(((const float *)row)[at]) ? ((const float *)row)[at] : 0; break;
+            case MNS_PIXEL_F32: out[4 * x + c] = decode_float(((const float *)row)[at]); break;
             }
         }
         out[4 * x + 3] = 1;

@@ -20,7 +20,7 @@ struct srgb_decoder {
 /* For 8-bit images the first 256 entries are the codes' own values; for 16-bit ones the table is interpolated, within 4e-7. */
 void mns_srgb_decoder_init(struct srgb_decoder *decoder, enum mns_pixel pixel);
 
-/* One row of an image with 3 or 4 channels as linear colours; out: [width][4], the fourth 1. What is not finite becomes 0. */
+/* One row of an image with 3 or 4 channels as linear colours; out: [width][4], the fourth 1. What is not finite becomes 0, what is beyond +-1e15 that. */
 void mns_pixels_decode(const struct srgb_decoder *decoder, const struct mns_image *image, int y, float *out);
 
 /* The first byte of row y. */

@@ -45,11 +45,9 @@ bool mns_depth_plane_resize(struct depth_plane *plane, struct memory *memory, in
 {
     plane->blocks_x = round_up(width, BLOCK_WIDTH) / BLOCK_WIDTH;
     plane->blocks_y = round_up(height, BLOCK_HEIGHT) / BLOCK_HEIGHT;
-    void *ranges = plane->ranges;
-    bool reserved = mns_memory_reserve(memory, &ranges, &plane->capacity, (size_t)plane->blocks_x * (size_t)plane->blocks_y,
+    plane->ranges = mns_memory_reserve(memory, plane->ranges, &plane->capacity, (size_t)plane->blocks_x * (size_t)plane->blocks_y,
                                        sizeof(*plane->ranges));
-    plane->ranges = ranges;
-    return reserved && mns_plane_resize(&plane->plane, memory, width, height, PLANE_BORDER);
+    return plane->ranges && mns_plane_resize(&plane->plane, memory, width, height, PLANE_BORDER);
 }
 
 void mns_depth_plane_free(struct depth_plane *plane, struct memory *memory)

@@ -4,6 +4,8 @@
 
 #include "core/memory.h"
 
+#include <stdbool.h>
+
 /* Pixels that every depth plane has on each side beyond the picture, so that filter taps need no test: no kernel reaches further.
  * Border pixels hold 0, nearer than anything: the filters drop such a tap with its mirror, as SPEC asks outside the image. */
 enum { PLANE_BORDER = 128 };

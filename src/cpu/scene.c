@@ -168,9 +168,8 @@ static bool resize(struct scene_image *scene, struct memory *memory, int width, 
     ptrdiff_t stride = (width + BLOCK_WIDTH - 1) / BLOCK_WIDTH * BLOCK_WIDTH;
     size_t pixels = (size_t)stride * ((size_t)height + 1);
     scene->stride = stride;
-    void *color = scene->color;
-    bool done = mns_memory_reserve(memory, &color, &scene->capacity, pixels, 4 * sizeof(float));
-    scene->color = color;
+    scene->color = mns_memory_reserve(memory, scene->color, &scene->capacity, pixels, 4 * sizeof(float));
+    bool done = scene->color != NULL;
     if (done) {
         ptrdiff_t rows = width > 1 ? height : 0;
         memset(scene->color + 4 * stride * rows, 0, (pixels - (size_t)(stride * rows)) * 4 * sizeof(float));

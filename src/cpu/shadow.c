@@ -28,6 +28,8 @@ static const float SKY_LOSS = 0.45f;
 static const float SUN_ASTRAY = 0.3f;
 /* Thickness from which on fluid counts as a body, in R. */
 static const float BODY = 4;
+/* Most that one particle adds to a texel, metres, so that sums stay finite whatever its volume. */
+static const float THICKEST = 1e20f;
 /* The map holds all but stray particles: a thousandth of them at each end may lie outside. */
 enum { STRAYS = 1000 };
 
@@ -92,7 +94,7 @@ static void deposit_chunk(const struct deposit *d, size_t chunk, int begin, int 
             continue;
         }
         int column = (int)u, row = (int)v;
-        float fu = u - (float)column, fv = v - (float)row, thickness = volume_of(d->frame, store, i) * d->per_volume;
+        float fu = u - (float)column, fv = v - (float)row, thickness = fminf(volume_of(d->frame, store, i) * d->per_volume, THICKEST);
         float *texel = d->sums + (ptrdiff_t)row * d->width + column;
         if (row >= begin && row < end) {
             texel[0] += (1 - fv) * (1 - fu) * thickness;
@@ -268,14 +270,11 @@ static bool reserve(struct backend *cpu, struct shadow *shadow, int sky_width, i
     const size_t counts[3] = {texels, (size_t)sky_width * (size_t)sky_height, texels};
     bool done = true;
     for (int i = 0; i < 3; i++) {
-        void *block = shadow->sums[i];
-        done = mns_memory_reserve(memory, &block, &shadow->sums_capacity[i], counts[i], sizeof(float)) && done;
-        shadow->sums[i] = block;
+        shadow->sums[i] = mns_memory_reserve(memory, shadow->sums[i], &shadow->sums_capacity[i], counts[i], sizeof(float));
+        done = done && shadow->sums[i];
     }
-    void *block = shadow->light;
-    done = mns_memory_reserve(memory, &block, &shadow->light_capacity, 4 * texels, sizeof(float)) && done;
-    shadow->light = block;
-    return done;
+    shadow->light = mns_memory_reserve(memory, shadow->light, &shadow->light_capacity, 4 * texels, sizeof(float));
+    return done && shadow->light;
 }
 
 static bool make(struct backend *cpu, const struct frame *frame, struct shadow *shadow, const struct shadow_key *key)

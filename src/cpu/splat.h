@@ -41,6 +41,9 @@ enum {
     BOUNDS_BATCH = 16                      /* chunks whose bounds are found together */
 };
 
+/* Most that a chord may be weighted: a particle a trillion times as dense as the fluid is a slip of the pen, and its thickness stays finite. */
+#define WEIGHT_MAX 1e12f
+
 #define CHORD_RADIUS   4.0f
 #define DEPOSIT_RADIUS 1.25f
 /* Texels that any of the three reaches beyond the sphere's outline: most for the smooth form, just under CHORD_RADIUS. */

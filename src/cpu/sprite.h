@@ -26,7 +26,7 @@ static inline float sprite_radius(const struct splat_view *view, size_t particle
 static inline float sprite_weight(const struct splat_view *view, size_t particle, float radius)
 {
     float weight = view->per_mass ? view->weight * view->particles->mass[particle] : view->weight;
-    return view->per_cube ? weight / (radius * radius * radius) : weight;
+    return fminf(view->per_cube ? weight / (radius * radius * radius) : weight, WEIGHT_MAX);
 }
 
 static inline void sprite_center(const struct splat_view *view, size_t particle, float q[3])
@@ -132,9 +132,8 @@ static inline float sprite_evaluate(const struct sprite_poly *f, float dx, float
  * V / (c_z^2 / (|v| fx fy)), times |v| / 2 since tiles hold half chords times |v|. */
 static inline float sprite_amount(const struct splat_view *view, const struct splat_grid *grid, const struct sprite *s)
 {
-    float volume = SPHERE_VOLUME * s->radius * s->radius * s->radius;
-    float amount = 0.5f * s->weight * volume * grid->fx * grid->fy * s->length2;
-    return view->orthographic ? amount : amount / (s->q[2] * s->q[2]);
+    float across = view->orthographic ? s->radius : s->rho; /* R^3 itself may leave the range of float */
+    return 0.5f * SPHERE_VOLUME * s->weight * s->radius * s->length2 * (across * grid->fx) * (across * grid->fy);
 }
 
 /* Places (i + 0.5) from *first to *last, inclusive, that lie between low and high and in [0, count). *first > *last: none. */

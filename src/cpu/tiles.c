@@ -50,12 +50,9 @@ bool mns_tiles_reserve_scratch(struct tiles *tiles, struct memory *memory, int t
     bool done = true;
     for (int i = 0; i < threads && done; i++) {
         struct tile_scratch *scratch = &tiles->scratch[i];
-        void *list = scratch->list, *order = scratch->order;
-        done = reserve_tile(&scratch->tile, memory, sums) &&
-               mns_memory_reserve(memory, &list, &scratch->list_capacity, tiles->largest, sizeof(*scratch->list)) &&
-               mns_memory_reserve(memory, &order, &scratch->order_capacity, tiles->largest, sizeof(*scratch->order));
-        scratch->list = list;
-        scratch->order = order;
+        scratch->list = mns_memory_reserve(memory, scratch->list, &scratch->list_capacity, tiles->largest, sizeof(*scratch->list));
+        scratch->order = mns_memory_reserve(memory, scratch->order, &scratch->order_capacity, tiles->largest, sizeof(*scratch->order));
+        done = reserve_tile(&scratch->tile, memory, sums) && scratch->list && scratch->order;
     }
     return done;
 }

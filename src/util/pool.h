@@ -6,7 +6,7 @@
 
 struct pool; /* opaque */
 
-/* Processors this process may use (its affinity mask and cgroup quota where the system tells them), at least 1. */
+/* Processors this process may use (its affinity mask, where the system tells it; time quotas are not looked at), at least 1. */
 int mns_processor_count(void);
 
 /* threads - 1 workers: the caller is the last. NULL: out of memory or threads. */

@@ -46,6 +46,21 @@ static void test_look_at(void **state)
     assert_true(isfinite(camera.view[0]));
 }
 
+static void test_far_planes_at_infinity(void **state)
+{
+    (void)state;
+    struct mns_camera camera;
+    mns_camera_init(&camera, 200, 100);
+    assert_int_equal(mns_camera_perspective(&camera, 90, 0.5, INFINITY), MNS_OK);
+    const double *p = camera.projection;
+    assert_true(p[10] == -1 && p[14] == -1); /* depth -1 at the near plane: (-p10 * near + p14) / near; towards 1 far away */
+    assert_int_equal(mns_camera_orthographic(&camera, 2, 0.5, INFINITY), MNS_OK);
+    for (int i = 0; i < 16; i++) {
+        assert_true(isfinite(p[i]));
+    }
+    assert_int_equal(mns_camera_perspective(&camera, 90, 0.5, NAN), MNS_ERR_INVALID_ARGUMENT);
+}
+
 static void test_framing_shows_the_box(void **state)
 {
     (void)state;
@@ -79,6 +94,7 @@ static void test_framing_shows_the_box(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_look_at), cmocka_unit_test(test_framing_shows_the_box)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_look_at), cmocka_unit_test(test_far_planes_at_infinity),
+                                       cmocka_unit_test(test_framing_shows_the_box)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -76,6 +76,25 @@ static void test_bounds_dropped_and_strays(void **state)
     free(p);
 }
 
+/* Written row by row, eight to a row, and more than the sample holds: the sample must not stand in one column. */
+static void test_quantiles_see_every_column_of_a_set_in_rows(void **state)
+{
+    (void)state;
+    enum { ROW = 8, ROWS = 60000 };
+    double *p = malloc(sizeof(double) * 3 * ROW * ROWS);
+    for (int i = 0; i < ROW * ROWS; i++) {
+        p[3 * i] = i % ROW;
+        p[3 * i + 1] = i / ROW % 200;
+        p[3 * i + 2] = i / ROW / 200;
+    }
+    struct mns_particles particles = view(p, ROW * ROWS);
+    struct mns_measure measure;
+    assert_int_equal(mns_particles_measure(&particles, NULL, &measure, NULL), MNS_OK);
+    assert_true(measure.inner_min[0] == 0 && measure.inner_max[0] == ROW - 1);
+    assert_true(measure.inner_min[1] <= 1 && measure.inner_max[1] >= 198 && measure.inner_max[2] >= 298);
+    free(p);
+}
+
 static void run_backwards(void *user, void (*job)(void *context, int index), void *context, int count)
 {
     (void)user;
@@ -141,6 +160,13 @@ static void test_small_and_bad_sets(void **state)
     particles.radius.data = radius;
     assert_int_equal(mns_particles_measure(&particles, NULL, &measure, &message), MNS_ERR_INVALID_ARGUMENT);
     assert_non_null(strstr(message.text, "particle 1"));
+    radius[1] = 2e12f;
+    assert_int_equal(mns_particles_measure(&particles, NULL, &measure, &message), MNS_ERR_INVALID_ARGUMENT);
+    const double far_apart[6] = {0, 0, 0, 2e12, 0, 0};
+    particles.radius.data = NULL;
+    particles.position.data = far_apart;
+    assert_int_equal(mns_particles_measure(&particles, NULL, &measure, &message), MNS_ERR_INVALID_ARGUMENT);
+    assert_non_null(strstr(message.text, "span"));
     particles.radius.data = NULL;
     particles.position.data = NULL;
     assert_int_equal(mns_particles_measure(&particles, NULL, &measure, &message), MNS_ERR_INVALID_ARGUMENT);
@@ -151,6 +177,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_radius_is_half_the_spacing_at_any_scale),
         cmocka_unit_test(test_bounds_dropped_and_strays),
+        cmocka_unit_test(test_quantiles_see_every_column_of_a_set_in_rows),
         cmocka_unit_test(test_store_keeps_every_particle_in_tight_chunks_whatever_the_threads),
         cmocka_unit_test(test_small_and_bad_sets),
     };

@@ -257,7 +257,7 @@ SIMD vf weight_of(const struct splat_view *view, size_t first, vf radius)
     if (view->per_cube) {
         weight = weight / (radius * radius * radius);
     }
-    return weight;
+    return vf_min(weight, vf_set1(WEIGHT_MAX));
 }
 
 /* Adds amount * s, or the smooth form, to one plane of sums. */
@@ -361,12 +361,9 @@ static void add_deposits(const struct splat_view *view, struct splat_tile *tile,
     if (lanes == 0) {
         return;
     }
-    vf cube = s->radius * s->radius * s->radius;
-    vf amount = weight * cube * s->length2 * vf_set1(0.5f * SPHERE_VOLUME * grid->fx * grid->fy);
-    if (!view->orthographic) {
-        vf per_depth = vf_rcp(s->z);
-        amount = amount * per_depth * per_depth;
-    }
+    vf across = view->orthographic ? s->radius : s->rho; /* R^3 itself may leave the range of float */
+    vf amount =
+        vf_set1(0.5f * SPHERE_VOLUME) * weight * s->radius * s->length2 * (across * vf_set1(grid->fx)) * (across * vf_set1(grid->fy));
     vf left = vf_floor(x), top = vf_floor(y);
     int32_t place[VLEN] __attribute__((aligned(64)));
     vi_store(place, vi_add(vi_mul(vf_truncate(top), vi_set1(CELL_STRIDE)), vi_shl(vf_truncate(left), 2)));
