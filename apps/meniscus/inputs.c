@@ -99,46 +99,58 @@ static const char *number_in(const char *path, size_t *digits)
 
 /* ---- directories ---- */
 
-/* Whether two names are frames of one series: alike but for the number. */
-static bool same_series(const char *a, const char *b)
+/* Orders names by series: names that are alike but for the number are equal, and two without a number are equal when they are the same. */
+static int compare_series(const char *a, const char *b)
 {
-    size_t digits_a, digits_b;
+    size_t digits_a = 0, digits_b = 0;
     const char *at_a = number_in(a, &digits_a), *at_b = number_in(b, &digits_b);
-    if (!at_a || !at_b) {
-        return false;
-    }
     a = base_of(a);
     b = base_of(b);
-    size_t before = (size_t)(at_a - a);
-    return before == (size_t)(at_b - b) && !strncmp(a, b, before) && !strcmp(at_a + digits_a, at_b + digits_b);
+    at_a = at_a ? at_a : a + strlen(a);
+    at_b = at_b ? at_b : b + strlen(b);
+    size_t before_a = (size_t)(at_a - a), before_b = (size_t)(at_b - b);
+    int order = strncmp(a, b, before_a < before_b ? before_a : before_b);
+    if (order || before_a != before_b) {
+        return order ? order : before_a < before_b ? -1 : 1;
+    }
+    return strcmp(at_a + digits_a, at_b + digits_b);
 }
 
-/* Refuses a directory of several series: [first, count) of the inputs, sorted. */
-static int fail_series(const struct inputs *inputs, size_t first, const char *name, size_t series)
+static int compare_inputs_by_series(const void *a, const void *b)
 {
+    const char *path_a = ((const struct input *)a)->path, *path_b = ((const struct input *)b)->path;
+    int order = compare_series(path_a, path_b);
+    return order ? order : natural_compare(path_a, path_b);
+}
+
+/* How many of the inputs from i on are of the series of input i; they are sorted by series. */
+static size_t series_length(const struct inputs *inputs, size_t i)
+{
+    size_t end = i + 1;
+    while (end < inputs->count && compare_series(inputs->list[i].path, inputs->list[end].path) == 0) {
+        end++;
+    }
+    return end - i;
+}
+
+/* Refuses a directory of several series: [first, count) of the inputs, sorted by series. */
+static int fail_series(const struct inputs *inputs, size_t first, const char *name)
+{
+    enum { TOLD = 8 };
     char list[800];
-    size_t used = 0, told = 0;
-    for (size_t i = first; i < inputs->count && told < 8; i++) {
-        bool is_new = true;
-        size_t frames = 0, digits;
-        for (size_t k = first; k < inputs->count; k++) {
-            bool same = k == i || same_series(inputs->list[i].path, inputs->list[k].path);
-            frames += same;
-            is_new = is_new && !(same && k < i);
-        }
-        if (!is_new) {
-            continue;
-        }
-        const char *base = base_of(inputs->list[i].path), *at = number_in(base, &digits);
-        at = frames > 1 ? at : NULL;
+    size_t used = 0, series = 0, told = 0;
+    for (size_t i = first, frames; i < inputs->count; i += frames, series++) {
+        size_t digits = 0;
+        frames = series_length(inputs, i);
+        const char *base = base_of(inputs->list[i].path), *at = frames > 1 ? number_in(base, &digits) : NULL;
         int before = at ? (int)(at - base) : (int)strlen(base);
-        int written = snprintf(list + used, sizeof(list) - used, "%s%.*s%s%s (%zu)", told ? ", " : "", before, base, at ? "*" : "",
-                               at ? at + digits : "", frames);
-        if (written < 0 || (size_t)written >= sizeof(list) - used) {
-            break;
+        int written = told == TOLD ? -1
+                                   : snprintf(list + used, sizeof(list) - used, "%s%.*s%s%s (%zu)", told ? ", " : "", before, base,
+                                              at ? "*" : "", at ? at + digits : "", frames);
+        if (written > 0 && (size_t)written < sizeof(list) - used) {
+            used += (size_t)written;
+            told++;
         }
-        used += (size_t)written;
-        told++;
     }
     list[used] = '\0';
     return program_usage("%s: holds %zu series: %s%s; name the files of one, or a pattern such as frame_%%d.vtk", name, series, list,
@@ -203,7 +215,7 @@ static int add_pvd_of(struct inputs *inputs, const char *folder)
 
 static int add_directory(struct inputs *inputs, const char *name)
 {
-    size_t first = inputs->count, series = 0;
+    size_t first = inputs->count;
     int status = add_folder(inputs, name, name, picks_particles, NULL);
     if (status != STATUS_DONE) {
         return status;
@@ -211,11 +223,8 @@ static int add_directory(struct inputs *inputs, const char *name)
     if (inputs->count == first) {
         return add_pvd_of(inputs, name);
     }
-    sort(inputs, first);
-    for (size_t i = first; i < inputs->count; i++) { /* sorted: a series' frames stand together */
-        series += i == first || !same_series(inputs->list[i - 1].path, inputs->list[i].path);
-    }
-    return series > 1 ? fail_series(inputs, first, name, series) : STATUS_DONE;
+    qsort(inputs->list + first, inputs->count - first, sizeof(*inputs->list), compare_inputs_by_series);
+    return series_length(inputs, first) < inputs->count - first ? fail_series(inputs, first, name) : STATUS_DONE;
 }
 
 /* ---- patterns and collections ---- */
@@ -260,6 +269,20 @@ static int add_pattern(struct inputs *inputs, const char *name)
     return status;
 }
 
+static int add_steps(struct inputs *inputs, const mns_pvd *pvd, const char *name)
+{
+    int status = STATUS_DONE;
+    for (size_t i = 0; status == STATUS_DONE && i < mns_pvd_count(pvd); i++) {
+        const struct mns_pvd_step *step = mns_pvd_get(pvd, i);
+        if (i > 0 && step->time == mns_pvd_get(pvd, i - 1)->time) {
+            return program_fail("%s: names several files for time %g; in a sequence each time must have one (a .pvtu, for example)", name,
+                                step->time);
+        }
+        status = add_path(inputs, copy(step->path), name);
+    }
+    return status;
+}
+
 static int add_pvd(struct inputs *inputs, const char *name)
 {
     struct mns_message message;
@@ -267,10 +290,12 @@ static int add_pvd(struct inputs *inputs, const char *name)
     if (mns_pvd_read(&pvd, name, &message) != MNS_OK) {
         return program_fail("%s", message.text);
     }
-    int status = mns_pvd_count(pvd) ? STATUS_DONE : program_fail("%s: names no files", name);
-    for (size_t i = 0; status == STATUS_DONE && i < mns_pvd_count(pvd); i++) {
-        status = add_path(inputs, copy(mns_pvd_get(pvd, i)->path), name);
+    size_t count = mns_pvd_count(pvd), later = 1;
+    while (later < count && mns_pvd_get(pvd, later)->time == mns_pvd_get(pvd, 0)->time) {
+        later++;
     }
+    int status = later > 1 && later == count ? add_path(inputs, copy(name), name) /* the parts of one time are read together */
+                                             : add_steps(inputs, pvd, name);
     mns_pvd_destroy(&pvd);
     inputs->ordered = true;
     return status;
