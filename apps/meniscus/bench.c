@@ -94,7 +94,7 @@ static int measure(struct bench *bench)
         }
     }
     if (status == STATUS_DONE && program_signal()) {
-        return STATUS_SIGNAL + program_signal();
+        return program_stopped();
     }
     qsort(bench->frame_ms, repeat, sizeof(*bench->frame_ms), compare);
     for (int stage = 0; stage < MNS_STAGE_MAX; stage++) {
@@ -210,7 +210,7 @@ static int bench_name(const struct options *options, const char *name, cJSON *li
 int command_bench(struct options *options)
 {
     int status = options->input_count ? STATUS_DONE : program_usage("bench needs an input: meniscus bench INPUT...");
-    program_catch_signals();
+    program_catch_interrupts();
     cJSON *list = options->json ? cJSON_CreateArray() : NULL;
     status = status == STATUS_DONE && options->camera_file ? view_read_camera(options, options->camera_file) : status;
     status = status == STATUS_DONE && options->save_look ? look_write(options->save_look, &options->params) : status;

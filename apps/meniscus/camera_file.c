@@ -39,7 +39,8 @@ static bool take_camera(struct camera_options *camera, const char *path, const c
         program_fail("%s: \"fov\" is %g; it must be 0.01 to 179 degrees", path, camera->fov);
         return false;
     }
-    if (camera->orthographic < 0 || (has_near && !(camera->near_plane > 0)) || (has_far && !(camera->far_plane > camera->near_plane))) {
+    if ((camera->orthographic != 0 && !(camera->orthographic >= 1e-12 && camera->orthographic <= 1e15)) ||
+        (has_near && !(camera->near_plane > 0)) || (has_far && !(camera->far_plane > camera->near_plane))) {
         program_fail("%s: \"orthographic\" and \"near\" must be above 0, and \"far\" above \"near\"", path);
         return false;
     }

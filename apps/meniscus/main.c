@@ -72,6 +72,7 @@ static int run(int which, int count, char **arguments)
 int main(int count, char **arguments)
 {
     const char *word = count > 1 ? arguments[1] : "";
+    program_ignore_write_signals();
     for (int i = 0; i < COMMANDS; i++) {
         if (!strcmp(word, commands[i].name)) {
             return run(i, count - 2, arguments + 2);

@@ -6,6 +6,7 @@
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 /* ---- values ---- */
 
@@ -149,8 +150,9 @@ static bool set_fov(struct options *options, const char *value, struct mns_messa
 
 static bool set_orthographic(struct options *options, const char *value, struct mns_message *message)
 {
-    return (parse_numbers(value, 1, &options->camera.orthographic) && options->camera.orthographic > 0) ||
-           refuse(message, "'%s' must be the height of the view in metres, above 0", value);
+    double *height = &options->camera.orthographic; /* the range of other lengths: see params.c */
+    return (parse_numbers(value, 1, height) && *height >= 1e-12 && *height <= 1e15) ||
+           refuse(message, "'%s' must be the height of the view, 1e-12 to 1e15 metres", value);
 }
 
 static bool set_orbit(struct options *options, const char *value, struct mns_message *message)
@@ -160,9 +162,8 @@ static bool set_orbit(struct options *options, const char *value, struct mns_mes
 
 static bool set_camera(struct options *options, const char *value, struct mns_message *message)
 {
-    (void)message;
     options->camera_file = value;
-    return true;
+    return *value || refuse(message, "the name is empty");
 }
 
 static bool set_attribute(struct options *options, const char *value, struct mns_message *message)
@@ -230,9 +231,8 @@ static bool set_parameter(struct options *options, const char *value, struct mns
 
 static bool set_look(struct options *options, const char *value, struct mns_message *message)
 {
-    (void)message;
     options->looks[options->look_count++] = value;
-    return true;
+    return *value || refuse(message, "the name is empty");
 }
 
 static bool set_save_look(struct options *options, const char *value, struct mns_message *message)
@@ -261,7 +261,7 @@ static bool set_layer(struct options *options, const char *value, struct mns_mes
         return refuse(message, "there is no layer '%s'; there are %s", name, list);
     }
     size_t length = strlen(equals + 1);
-    if (length < 5 || strcmp(equals + 1 + length - 4, ".npy") != 0) {
+    if (length < 5 || strcasecmp(equals + 1 + length - 4, ".npy") != 0) {
         return refuse(message, "'%s': layers are written as .npy", equals + 1);
     }
     for (size_t i = 0; i < options->layer_count; i++) {

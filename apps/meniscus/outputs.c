@@ -5,12 +5,13 @@
 
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include <sys/stat.h>
 
 static bool has_extension(const char *path, const char *extension)
 {
     const char *dot = strrchr(path, '.');
-    return dot && !strchr(dot, '/') && !strcmp(dot + 1, extension);
+    return dot && !strchr(dot, '/') && !strcasecmp(dot + 1, extension);
 }
 
 static int check_extension(const char *path)
@@ -53,6 +54,19 @@ static int check_overwrite(const char *pattern, const struct inputs *inputs)
     return STATUS_DONE;
 }
 
+/* Told before the frames are read. A folder with a number in its name is left to the writing. */
+static int check_place(const char *pattern, const struct inputs *inputs)
+{
+    const char *slash = strrchr(pattern, '/'), *percent = strchr(pattern, '%');
+    if (slash && percent && percent < slash) {
+        return STATUS_DONE;
+    }
+    char *name = pattern_name(pattern, inputs->list[0].number);
+    int status = name ? program_check_place(name) : program_fail("%s: out of memory", pattern);
+    free(name);
+    return status;
+}
+
 static int add(struct outputs *outputs, const struct options *options, enum mns_layer layer, enum output_kind kind, const char *pattern)
 {
     struct mns_image *image = &outputs->images[outputs->count].image;
@@ -70,9 +84,14 @@ static int add(struct outputs *outputs, const struct options *options, enum mns_
     return image->data ? STATUS_DONE : program_fail("%s: out of memory for %dx%d pixels", pattern, image->width, image->height);
 }
 
+static bool is_standard(const char *name) { return name && !strcmp(name, "-"); }
+
 static int plan_stream(struct outputs *outputs, const struct options *options)
 {
     const char *format = options->output_format ? options->output_format : "png";
+    if (is_standard(options->stats) || is_standard(options->save_look)) {
+        return program_usage("-: standard output takes the picture; --stats and --save-look need files");
+    }
     if (program_output_is_terminal()) {
         return program_usage("-: a picture is not written to a terminal; redirect standard output");
     }
@@ -85,6 +104,7 @@ static int plan_file(struct outputs *outputs, const struct options *options, con
     int status = check_extension(pattern);
     status = status == STATUS_DONE ? check_name(pattern, frames) : status;
     status = status == STATUS_DONE ? check_overwrite(pattern, inputs) : status;
+    status = status == STATUS_DONE ? check_place(pattern, inputs) : status;
     for (size_t i = 0; status == STATUS_DONE && i < outputs->count; i++) {
         if (!strcmp(outputs->list[i].pattern, pattern)) {
             status = program_usage("%s: is named for two outputs", pattern);
@@ -102,10 +122,10 @@ int outputs_plan(struct outputs *outputs, const struct options *options, const s
     if (!options->output && !options->layer_count) {
         return program_usage("render needs an output: -o OUTPUT or --layer NAME=FILE");
     }
-    if (options->output_format && (!options->output || strcmp(options->output, "-") != 0)) {
+    if (options->output_format && !is_standard(options->output)) {
         return program_usage("--output-format is for standard output: -o -");
     }
-    if (options->output && !strcmp(options->output, "-")) {
+    if (is_standard(options->output)) {
         status = plan_stream(outputs, options);
     } else if (options->output) {
         status = plan_file(outputs, options, inputs, frames, MNS_LAYER_BEAUTY, options->output);

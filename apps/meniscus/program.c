@@ -68,22 +68,31 @@ static void catch_unless_ignored(int number, const struct sigaction *action)
     }
 }
 
-void program_catch_signals(void)
+void program_catch_interrupts(void)
 {
     struct sigaction action;
     memset(&action, 0, sizeof(action));
     sigemptyset(&action.sa_mask);
     action.sa_handler = note;
     action.sa_flags = (int)(SA_RESTART | SA_RESETHAND);
+    catch_unless_ignored(SIGHUP, &action);
     catch_unless_ignored(SIGINT, &action);
     catch_unless_ignored(SIGTERM, &action);
-    action.sa_handler = SIG_IGN;
-    action.sa_flags = 0;
-    sigaction(SIGPIPE, &action, NULL);
-    sigaction(SIGXFSZ, &action, NULL);
+}
+
+void program_ignore_write_signals(void)
+{
+    signal(SIGPIPE, SIG_IGN);
+    signal(SIGXFSZ, SIG_IGN);
 }
 
 int program_signal(void) { return (int)caught; }
+
+int program_stopped(void)
+{
+    program_say("stopped by a signal");
+    return STATUS_SIGNAL + program_signal();
+}
 
 bool program_error_is_terminal(void) { return isatty(STDERR_FILENO); }
 
@@ -139,6 +148,33 @@ static int fill(FILE *file, const char *text)
 }
 
 static int fail_file(const char *path, int error) { return program_fail("%s: cannot be written: %s", path, strerror(error)); }
+
+/* What hinders a file in the folder that ends at slash (NULL: the working folder): 0 or an errno. */
+static int folder_error(const char *path, const char *slash)
+{
+    size_t length = slash ? (size_t)(slash - path) + 1 : 0;
+    char *folder = malloc(length + 2);
+    if (!folder) {
+        return ENOMEM;
+    }
+    memcpy(folder, path, length);
+    memcpy(folder + length, ".", 2);
+    int error = access(folder, W_OK | X_OK) == 0 ? 0 : errno;
+    free(folder);
+    return error;
+}
+
+int program_check_place(const char *path)
+{
+    struct stat status;
+    bool exists = strcmp(path, "-") != 0 && stat(path, &status) == 0;
+    if (exists && S_ISDIR(status.st_mode)) {
+        return program_fail("%s: cannot be written: it is a folder", path);
+    }
+    bool in_place = !strcmp(path, "-") || (exists && !S_ISREG(status.st_mode));
+    int error = in_place ? 0 : folder_error(path, strrchr(path, '/'));
+    return error ? fail_file(path, error) : STATUS_DONE;
+}
 
 int program_write_file(const char *path, const char *text)
 {

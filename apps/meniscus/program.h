@@ -23,10 +23,13 @@ int program_usage(const char *format, ...) PROGRAM_PRINTF(1, 2);
 void program_warn(const char *format, ...) PROGRAM_PRINTF(1, 2);
 void program_say(const char *format, ...) PROGRAM_PRINTF(1, 2);
 
-/* Interrupting signals are noted, so that the picture in hand is finished; the second one ends the program at once. A closed pipe and a
- * file that grows beyond its limit are told by the write that meets them. */
-void program_catch_signals(void);
-int program_signal(void); /* the signal that came; 0: none */
+/* A closed pipe and a file that grows beyond its limit are told by the write that meets them, not by a signal. */
+void program_ignore_write_signals(void);
+
+/* Interrupting signals are noted, so that the file in hand is finished; the second one ends the program at once. */
+void program_catch_interrupts(void);
+int program_signal(void);  /* the signal that came; 0: none */
+int program_stopped(void); /* tells of the signal and returns its status */
 
 /* Whether standard error or standard output is a terminal. */
 bool program_error_is_terminal(void);
@@ -40,6 +43,9 @@ double program_seconds(void); /* a clock that only goes forward */
 /* Writes to standard output, and ends it: false after telling why. */
 bool program_print(const void *data, size_t size);
 bool program_flush(void);
+
+/* Fails, with a reason, where a file of this name cannot be made: a long run should not end with that. "-" is standard output. */
+int program_check_place(const char *path);
 
 /* Writes a file beside its place and renames it. Returns STATUS_DONE or, after telling why, STATUS_FAILED. "-" is standard output. */
 int program_write_file(const char *path, const char *text);

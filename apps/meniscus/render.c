@@ -45,6 +45,11 @@ static int find_inputs(struct render *render)
         }
     }
     inputs_number(&render->inputs);
+    for (size_t i = 0; status == STATUS_DONE && render->inputs.count > 1 && i < render->inputs.count; i++) {
+        if (!strcmp(render->inputs.list[i].path, "-")) { /* frames are read more than once */
+            status = program_usage("-: standard input must be the only input");
+        }
+    }
     return status;
 }
 
@@ -90,6 +95,9 @@ static int begin(struct render *render)
     int status = find_inputs(render);
     status = status == STATUS_DONE ? choose_frames(render) : status;
     status = status == STATUS_DONE ? outputs_plan(&render->outputs, render->options, &render->inputs, render->chosen_count) : status;
+    if (status == STATUS_DONE && render->options->stats) {
+        status = program_check_place(render->options->stats);
+    }
     if (status == STATUS_DONE && render->options->save_look) {
         status = look_write(render->options->save_look, &render->options->params);
     }
@@ -238,7 +246,7 @@ static int finish(struct render *render, int status)
 int command_render(struct options *options)
 {
     struct render render = {.options = options};
-    program_catch_signals();
+    program_catch_interrupts();
     int status = begin(&render);
     if (status == STATUS_DONE) {
         status = finish(&render, render_frames(&render));

@@ -63,15 +63,15 @@ static size_t total_at(const struct sample_shape *shape, double spacing)
 static double find_spacing(const struct sample_shape *shape, size_t wanted, struct sample_sink *counted)
 {
     double guess = cbrt(shape->volume / (double)wanted), fine = guess, coarse = guess;
-    while (*counted = count_at(shape, fine), counted->inside + counted->outside < wanted) {
+    while (*counted = count_at(shape, fine), counted->inside + counted->outside < wanted && !program_signal()) {
         coarse = fine;
         fine *= 0.8;
     }
-    for (int i = 0; i < GROWTHS && (coarse <= fine || total_at(shape, coarse) >= wanted); i++) {
+    for (int i = 0; i < GROWTHS && !program_signal() && (coarse <= fine || total_at(shape, coarse) >= wanted); i++) {
         coarse = fmax(coarse, fine) * 1.25;
     }
     *counted = count_at(shape, fine);
-    for (int i = 0; i < SEARCH_STEPS && counted->inside + counted->outside > wanted + wanted / 2000; i++) {
+    for (int i = 0; i < SEARCH_STEPS && counted->inside + counted->outside > wanted + wanted / 2000 && !program_signal(); i++) {
         double middle = 0.5 * (fine + coarse);
         struct sample_sink there = count_at(shape, middle);
         if (there.inside + there.outside >= wanted) {
@@ -109,20 +109,22 @@ static int write_sample(const char *path, const struct sample_sink *sink, const 
 static int make(const struct sample_shape *shape, size_t count, const char *path)
 {
     struct sample_sink counted, sink = {0};
-    uint32_t *ids;
+    uint32_t *ids = NULL;
     double spacing = find_spacing(shape, count, &counted);
     sink.surplus = counted.inside + counted.outside - count;
     sink.thin_all = counted.inside < sink.surplus;
     sink.of = sink.thin_all ? counted.inside + counted.outside : counted.inside;
     int status = STATUS_DONE;
-    if (!get_memory(&sink, &ids, count)) {
+    if (program_signal()) {
+        status = program_stopped();
+    } else if (!get_memory(&sink, &ids, count)) {
         status = program_fail("%s: out of memory for %zu particles of 32 bytes", path, count);
     } else {
         shape->place(&sink, spacing);
         for (size_t i = 0; i < count; i++) {
             ids[i] = (uint32_t)i;
         }
-        status = write_sample(path, &sink, ids);
+        status = program_signal() ? program_stopped() : write_sample(path, &sink, ids);
     }
     free(sink.position);
     free(sink.velocity);
@@ -143,7 +145,9 @@ int command_sample(struct options *options)
     char list[128] = "";
     for (const struct sample_shape *shape = sample_shapes; shape->name; shape++) {
         if (!strcmp(shape->name, name)) {
-            return make(shape, (size_t)options->particles, options->output);
+            int status = program_check_place(options->output);
+            program_catch_interrupts();
+            return status == STATUS_DONE ? make(shape, (size_t)options->particles, options->output) : status;
         }
         size_t used = strlen(list);
         snprintf(list + used, sizeof(list) - used, "%s%s", used ? ", " : "", shape->name);

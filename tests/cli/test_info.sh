@@ -43,6 +43,14 @@ ok info series/frame_%d.csv
 refuses 1 'no file matches' info series/frame_%03d.csv
 refuses 1 'no file matches' info series/%d.csv
 refuses 2 'holds 2 series: frame_*.csv (3), other_1.csv (1)' info mixed
+mkdir woven
+for i in 1 2 10; do
+    cp four.csv woven/f_${i}_foam.csv
+    cp four.csv woven/f_${i}_spray.csv
+done
+refuses 2 'holds 2 series: f_*_foam.csv (3), f_*_spray.csv (3); name' info woven
+ok info woven/f_%d_spray.csv
+[ "$(grep -c '^woven/' .out)" = 3 ] || complain "a pattern of 3 among 6: $(cat .out)"
 refuses 1 'holds no particle files' info empty
 refuses 1 'missing: cannot be opened: No such file' info missing
 refuses 2 'is empty' info ''
@@ -60,6 +68,16 @@ if "$program" --version | grep -q '^reads: .*pvd'; then
     printf '<VTKFile type="Collection"><Collection></Collection></VTKFile>\n' >other/none.pvd
     refuses 1 'none.pvd' info other/none.pvd
     refuses 2 'holds 2 .pvd files' info other
+
+    # Parts of one time are one set; in a sequence they cannot be.
+    printf 'x,y,z\n0,0,0.5\n1,0,0.5\n' >other/part.csv
+    parts='<DataSet timestep="0" part="0" file="part.csv"/><DataSet timestep="0" part="1" file="part.csv"/>'
+    printf '<VTKFile type="Collection"><Collection>%s</Collection></VTKFile>\n' "$parts" >other/parts.pvd
+    ok info other/parts.pvd
+    prints 'particles   4$'
+    printf '<VTKFile type="Collection"><Collection>%s%s</Collection></VTKFile>\n' "$parts" \
+        '<DataSet timestep="1" file="part.csv"/>' >other/parts.pvd
+    refuses 1 'parts.pvd: names several files for time 0' info other/parts.pvd
 fi
 
 # Bad files.
@@ -84,4 +102,9 @@ if [ "$(id -u)" != 0 ]; then
     chmod 0 locked.npy
     refuses 1 'locked.npy: cannot be opened: Permission denied' info locked.npy
 fi
+
+# A reader that goes away.
+{ "$program" info --json four.csv series 2>.err; echo $? >status; } | true
+[ "$(cat status)" = 1 ] || complain "a closed pipe: status $(cat status)"
+one_line 'standard output: cannot be written: Broken pipe' info --json
 done_testing

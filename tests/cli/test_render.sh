@@ -22,6 +22,11 @@ ok render in.npz --layer depth=d.npy --layer normal=n.npy $small
 "$program" render - --format npz -o - $small <in.npz >piped.png 2>.err || complain "- to -: $(cat .err)"
 cmp -s a.png piped.png || complain "standard input or output differs from files"
 refuses 2 'for standard output' render in.npz -o a.png --output-format png
+refuses 2 'must be the only input' render - in.npz -o %d.png <in.npz
+refuses 2 'standard output takes the picture' render in.npz -o - --stats -
+refuses 2 'standard output takes the picture' render in.npz -o - --save-look -
+ok render in.npz -o UPPER.PNG --layer depth=UPPER.NPY $small
+exists UPPER.PNG UPPER.NPY
 
 # The camera that is chosen shows everything: the border of the picture is empty, the middle is not.
 "$program" sample block --particles 4000 -o block.npz
@@ -40,6 +45,10 @@ refuses 2 'named for two outputs' render in.npz -o x.npy --layer depth=x.npy
 "$program" sample sphere --particles 10 -o self.npy
 refuses 2 'is an input' render self.npy -o self.npy
 refuses 1 'missing/a.png: cannot be written: No such file' render in.npz -o missing/a.png $small
+refuses 1 'missing/a.npy: cannot be written: No such file' render in.npz -o b.png --layer depth=missing/a.npy $small
+refuses 1 'missing/a.json: cannot be written: No such file' render in.npz -o b.png --stats missing/a.json $small
+mkdir folder.png
+refuses 1 'folder.png: cannot be written: it is a folder' render in.npz -o folder.png $small
 missing b.npy c.npy x.npy a.mp4 a.exr
 if [ -w /dev/full ]; then
     ln -s /dev/full full.png

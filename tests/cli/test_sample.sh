@@ -32,4 +32,18 @@ if [ -w /dev/full ]; then
     ln -s /dev/full full.npz
     refuses 1 'No space left' sample crown --particles 1000 -o full.npz
 fi
+
+# A file that may not grow so far, and a signal.
+(ulimit -f 8 && "$program" sample block --particles 10000 -o long.npz 2>.err)
+[ $? = 1 ] || complain "a file over its limit: not status 1"
+one_line 'long.npz: cannot be written: File too large' sample
+missing long.npz
+"$program" sample crown --particles 400M -o endless.npz >.out 2>.err &
+child=$!
+sleep 1
+kill -TERM $child
+wait $child
+[ $? = 143 ] || complain "a signal: status is not 143: $(cat .err)"
+one_line 'stopped by a signal' sample
+missing endless.npz
 done_testing

@@ -44,7 +44,12 @@ refuses 2 'three numbers' render a.npy -o a.png --eye 1,nan,2
 refuses 2 'three numbers' render a.npy -o a.png --target 1,2,3,4
 refuses 2 'points nowhere' render a.npy -o a.png --up 0,0,0
 refuses 2 'degrees' render a.npy -o a.png --fov 180
-refuses 2 'above 0' render a.npy -o a.png --orthographic 0
+for height in 0 -1 1e-300 1e300; do
+    refuses 2 'height of the view' render a.npy -o a.png --orthographic $height
+done
+for option in --output --camera --look --save-look --stats; do
+    refuses 2 "$option: the name is empty" render a.npy $option ''
+done
 refuses 2 'x, y, z' render a.npy -o a.png --up-axis w
 refuses 2 'radius is 0' render a.npy -o a.png --radius 0
 refuses 2 'radius is -1' render a.npy -o a.png --radius -1
