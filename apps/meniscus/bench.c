@@ -174,6 +174,9 @@ static int bench_file(const struct options *options, const char *path, cJSON *li
     struct bench bench = {.options = options, .path = path};
     struct mns_message message;
     mns_particle_set *set;
+    if (program_check_picture(options->width, options->height) != STATUS_DONE) {
+        return STATUS_FAILED;
+    }
     if (load_particles(&set, path, options, &message) != MNS_OK) {
         return program_fail("%s", message.text);
     }

@@ -111,7 +111,8 @@ bool json_numbers(const char *path, const cJSON *object, const char *name, int c
 void json_add_number(cJSON *parent, const char *name, double value)
 {
     char text[32] = "null";
-    for (int digits = 6; isfinite(value) && digits <= 17; digits++) {
+    int fewest = fabs(value) < 1e15 && value == floor(value) ? 15 : 6; /* whole numbers without an exponent */
+    for (int digits = fewest; isfinite(value) && digits <= 17; digits++) {
         snprintf(text, sizeof(text), "%.*g", digits, value);
         if (strtod(text, NULL) == value) {
             break;

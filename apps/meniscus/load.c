@@ -19,6 +19,36 @@ static void tell(void *user, enum mns_log_level level, const char *text)
 
 struct mns_log program_log(const struct options *options) { return (struct mns_log){.message = tell, .user = (void *)options}; }
 
+/* Warnings wait until the file has been read: a file that is refused gets its one line. */
+struct held {
+    const struct options *options;
+    size_t count;
+    struct mns_message first[8];
+};
+
+enum { HELD = sizeof(((struct held *)0)->first) / sizeof(struct mns_message) };
+
+static void hold(void *user, enum mns_log_level level, const char *text)
+{
+    struct held *held = user;
+    if (level != MNS_LOG_WARNING) {
+        tell((void *)held->options, level, text);
+    } else if (held->count++ < HELD) {
+        struct mns_message *message = &held->first[held->count - 1];
+        snprintf(message->text, sizeof(message->text), "%s", text);
+    }
+}
+
+static void tell_held(const struct held *held, const char *path)
+{
+    for (size_t i = 0; i < held->count && i < HELD && !held->options->quiet; i++) {
+        program_warn("%s", held->first[i].text);
+    }
+    if (held->count > HELD && !held->options->quiet) {
+        program_warn("%s: and %zu warnings more", path, held->count - HELD);
+    }
+}
+
 /* All of standard input; NULL: message says why. */
 static void *read_standard_input(size_t *size, struct mns_message *message)
 {
@@ -56,16 +86,21 @@ mns_result load_particles(mns_particle_set **out, const char *path, const struct
     params.roles = options->roles;
     params.role_count = options->role_count;
     params.where = options->where;
-    params.log = program_log(options);
+    struct held held = {.options = options};
+    params.log = (struct mns_log){.message = hold, .user = &held};
+    mns_result result = MNS_ERR_IO;
     if (strcmp(path, "-") != 0) {
-        return mns_particle_set_read(out, path, &params, message);
+        result = mns_particle_set_read(out, path, &params, message);
+    } else {
+        size_t size;
+        void *data = read_standard_input(&size, message);
+        if (data) {
+            result = mns_particle_set_read_memory(out, data, size, "standard input", &params, message);
+        }
+        free(data);
     }
-    size_t size;
-    void *data = read_standard_input(&size, message);
-    if (!data) {
-        return MNS_ERR_IO;
+    if (result == MNS_OK) {
+        tell_held(&held, path);
     }
-    mns_result result = mns_particle_set_read_memory(out, data, size, "standard input", &params, message);
-    free(data);
     return result;
 }

@@ -14,12 +14,16 @@
 #include <time.h>
 #include <unistd.h>
 
+/* One line whatever the names in it: what would move the cursor or start a line is shown as a question mark. */
 static void print_line(const char *kind, const char *format, va_list arguments)
 {
+    char text[2048];
+    vsnprintf(text, sizeof(text), format, arguments);
+    for (char *at = text; *at; at++) {
+        *at = (unsigned char)*at < ' ' || *at == 127 ? '?' : *at;
+    }
     progress_clear();
-    fprintf(stderr, "meniscus: %s", kind);
-    vfprintf(stderr, format, arguments);
-    fputc('\n', stderr);
+    fprintf(stderr, "meniscus: %s%s\n", kind, text);
 }
 
 int program_fail(const char *format, ...)
@@ -109,6 +113,22 @@ double program_peak_memory(void)
 #else
     return (double)usage.ru_maxrss * 1024;
 #endif
+}
+
+int program_check_memory(const char *name, double bytes)
+{
+    static const double gibibyte = 1 << 30;
+    double machine = (double)sysconf(_SC_PHYS_PAGES) * (double)sysconf(_SC_PAGESIZE); /* negative: unknown */
+    if (machine > 0 && bytes > machine) {
+        return program_fail("%s: needs about %.0f GiB of memory, and this machine has %.1f", name, bytes / gibibyte, machine / gibibyte);
+    }
+    return STATUS_DONE;
+}
+
+int program_check_picture(int width, int height)
+{
+    enum { PIXEL_BYTES = 34 }; /* as measured, without layers */
+    return program_check_memory("--size", PIXEL_BYTES * (double)width * (double)height);
 }
 
 double program_seconds(void)

@@ -38,6 +38,10 @@ bool program_output_is_terminal(void);
 /* Largest memory the process held, in bytes; 0: unknown. */
 double program_peak_memory(void);
 
+/* Fails where that much cannot be had: a machine that promises more memory than it has ends the program without a word. */
+int program_check_memory(const char *name, double bytes);
+int program_check_picture(int width, int height);
+
 double program_seconds(void); /* a clock that only goes forward */
 
 /* Writes to standard output, and ends it: false after telling why. */

@@ -22,13 +22,20 @@ void progress_step(struct progress *progress, const char *what)
         return;
     }
     double seconds = program_seconds() - progress->start;
-    double rate = seconds > 0 ? (double)progress->done / seconds : 0;
+    double rate = seconds > 0 ? (double)(progress->done - progress->skipped) / seconds : 0;
     size_t left = rate > 0 ? (size_t)((double)(progress->total - progress->done) / rate + 0.5) : 0;
     int filled = (int)(CELLS * progress->done / progress->total);
-    fprintf(stderr, "\r\x1b[K[%.*s%.*s] %zu/%zu  %.1f/s  %zu:%02zu left  %s", filled, "########################", CELLS - filled,
-            "........................", progress->done, progress->total, rate, left / 60, left % 60, what);
+    /* Without wrapping: a second row would stay behind when the bar is taken away. */
+    fprintf(stderr, "\r\x1b[K\x1b[?7l[%.*s%.*s] %zu/%zu  %.1f/s  %zu:%02zu left  %s\x1b[?7h", filled, "########################",
+            CELLS - filled, "........................", progress->done, progress->total, rate, left / 60, left % 60, what);
     fflush(stderr);
     on_screen = true;
+}
+
+void progress_skip(struct progress *progress)
+{
+    progress->done++;
+    progress->skipped++;
 }
 
 void progress_clear(void)

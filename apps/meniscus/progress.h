@@ -6,14 +6,15 @@
 #include <stddef.h>
 
 struct progress {
-    size_t done, total;
-    double start; /* seconds */
+    size_t done, skipped, total; /* skipped: of those done, those that took no time */
+    double start;                /* seconds */
     bool shown;
 };
 
 /* Nothing is shown unless standard error is a terminal and there is more than one thing to do. */
 void progress_begin(struct progress *progress, size_t total, bool quiet);
 void progress_step(struct progress *progress, const char *what);
-void progress_clear(void); /* takes the bar away, for a line of text or at the end */
+void progress_skip(struct progress *progress); /* one that is done already */
+void progress_clear(void);                     /* takes the bar away, for a line of text or at the end */
 
 #endif

@@ -94,6 +94,7 @@ static int begin(struct render *render)
 {
     int status = find_inputs(render);
     status = status == STATUS_DONE ? choose_frames(render) : status;
+    status = status == STATUS_DONE ? program_check_picture(render->options->width, render->options->height) : status;
     status = status == STATUS_DONE ? outputs_plan(&render->outputs, render->options, &render->inputs, render->chosen_count) : status;
     if (status == STATUS_DONE && render->options->stats) {
         status = program_check_place(render->options->stats);
@@ -217,9 +218,11 @@ static int render_frames(struct render *render)
         if (!render->chosen[i]) {
             continue;
         }
-        if (!render->options->resume || !outputs_exist(&render->outputs, render->inputs.list[i].number)) {
-            status = render_frame(render, i);
+        if (render->options->resume && outputs_exist(&render->outputs, render->inputs.list[i].number)) {
+            progress_skip(&render->progress);
+            continue;
         }
+        status = render_frame(render, i);
         progress_step(&render->progress, render->inputs.list[i].path);
     }
     progress_clear();

@@ -12,6 +12,8 @@
  * one particle never does. */
 enum { SEARCH_STEPS = 60, GROWTHS = 24 };
 
+enum { BYTES = 32 /* of a particle: position, velocity, density, id */ };
+
 double sample_hash(uint64_t a, uint64_t b, uint64_t c)
 {
     uint64_t x = a * 0x9e3779b97f4a7c15u ^ (b + 0x632be59bd9b4e019u) * 0xbf58476d1ce4e5b9u ^ (c + 1) * 0x94d049bb133111ebu;
@@ -118,7 +120,7 @@ static int make(const struct sample_shape *shape, size_t count, const char *path
     if (program_signal()) {
         status = program_stopped();
     } else if (!get_memory(&sink, &ids, count)) {
-        status = program_fail("%s: out of memory for %zu particles of 32 bytes", path, count);
+        status = program_fail("%s: out of memory for %zu particles of %d bytes", path, count, (int)BYTES);
     } else {
         shape->place(&sink, spacing);
         for (size_t i = 0; i < count; i++) {
@@ -146,6 +148,7 @@ int command_sample(struct options *options)
     for (const struct sample_shape *shape = sample_shapes; shape->name; shape++) {
         if (!strcmp(shape->name, name)) {
             int status = program_check_place(options->output);
+            status = status == STATUS_DONE ? program_check_memory(options->output, BYTES * (double)options->particles) : status;
             program_catch_interrupts();
             return status == STATUS_DONE ? make(shape, (size_t)options->particles, options->output) : status;
         }

@@ -103,6 +103,11 @@ if [ "$(id -u)" != 0 ]; then
     refuses 1 'locked.npy: cannot be opened: Permission denied' info locked.npy
 fi
 
+# A file that is refused gets its one line, though columns were left out before; and a line is one line whatever the names.
+printf 'x,y,z,name\n0,0,0,a\n1,2\n' >late.csv
+refuses 1 'late.csv: ' info late.csv
+refuses 1 'no?such.csv: cannot be opened' info "$(printf 'no\nsuch.csv')"
+
 # A reader that goes away.
 { "$program" info --json four.csv series 2>.err; echo $? >status; } | true
 [ "$(cat status)" = 1 ] || complain "a closed pipe: status $(cat status)"

@@ -161,6 +161,7 @@ exists out/p_009.png
 for key in read_ms prepare_ms draw_ms write_ms stages splat particles_visible pixels_covered peak_bytes peak_memory_bytes; do
     holds "\"$key\"" stats.json
 done
+grep -q 'bytes":	[0-9]*$' stats.json || complain "bytes are no whole number: $(cat stats.json)"
 printf 'junk' >frames/f_9.npz
 refuses 1 'frames/f_9.npz: ' render frames -o out/t_%d.png $small
 exists out/t_2.png
