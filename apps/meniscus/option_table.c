@@ -25,6 +25,13 @@ static bool refuse(struct mns_message *message, const char *format, ...)
     return false;
 }
 
+/* Adds a name to a list with commas between; what finds no room is cut. */
+static void append_name(char *list, size_t size, const char *name)
+{
+    size_t used = strlen(list);
+    snprintf(list + used, size - used, "%s%s", used ? ", " : "", name);
+}
+
 /* Finite numbers with commas between, as many as asked for. */
 static bool parse_numbers(const char *text, int count, double *out)
 {
@@ -94,14 +101,12 @@ static bool set_output_format(struct options *options, const char *value, struct
 static bool set_format(struct options *options, const char *value, struct mns_message *message)
 {
     options->format = value;
-    size_t used = 0;
     char list[256] = "";
     for (size_t i = 0; mns_read_format(i); i++) {
         if (!strcmp(mns_read_format(i), value)) {
             return true;
         }
-        int written = snprintf(list + used, sizeof(list) - used, "%s%s", used ? ", " : "", mns_read_format(i));
-        used = written > 0 && (size_t)written < sizeof(list) - used ? used + (size_t)written : used;
+        append_name(list, sizeof(list), mns_read_format(i));
     }
     return refuse(message, "this build does not read '%s'; it reads %s", value, list);
 }
@@ -169,7 +174,7 @@ static bool set_camera(struct options *options, const char *value, struct mns_me
 static bool set_attribute(struct options *options, const char *value, struct mns_message *message)
 {
     const char *equals = strchr(value, '=');
-    size_t length = equals ? (size_t)(equals - value) : 0, used = 0;
+    size_t length = equals ? (size_t)(equals - value) : 0;
     char list[128] = "";
     for (int i = MNS_ROLE_NONE + 1; i < MNS_ROLE_COUNT; i++) {
         const char *name = mns_role_name((enum mns_role)i);
@@ -177,8 +182,7 @@ static bool set_attribute(struct options *options, const char *value, struct mns
             options->roles[options->role_count++] = value;
             return true;
         }
-        int written = snprintf(list + used, sizeof(list) - used, "%s%s", used ? ", " : "", name);
-        used = written > 0 && (size_t)written < sizeof(list) - used ? used + (size_t)written : used;
+        append_name(list, sizeof(list), name);
     }
     return refuse(message, "'%s' must be ROLE=NAME, with a role of %s", value, list);
 }
@@ -253,10 +257,8 @@ static bool set_layer(struct options *options, const char *value, struct mns_mes
     name[equals - value] = '\0';
     if (mns_layer_find(name, &layer) != MNS_OK) {
         char list[256] = "";
-        size_t used = 0;
         for (int i = 0; i < MNS_LAYER_COUNT; i++) {
-            int written = snprintf(list + used, sizeof(list) - used, "%s%s", used ? ", " : "", mns_layer_name((enum mns_layer)i));
-            used = written > 0 && (size_t)written < sizeof(list) - used ? used + (size_t)written : used;
+            append_name(list, sizeof(list), mns_layer_name((enum mns_layer)i));
         }
         return refuse(message, "there is no layer '%s'; there are %s", name, list);
     }

@@ -38,9 +38,9 @@ fi
 [ $? = 1 ] || complain "a file over its limit: not status 1"
 one_line 'long.npz: cannot be written: File too large' sample
 missing long.npz
-"$program" sample crown --particles 400M -o endless.npz >.out 2>.err &
+"$program" sample crown --particles 50M -o endless.npz >.out 2>.err &
 child=$!
-sleep 1
+sleep 0.3
 kill -TERM $child
 wait $child
 [ $? = 143 ] || complain "a signal: status is not 143: $(cat .err)"
