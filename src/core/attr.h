@@ -6,16 +6,17 @@
 
 #include <string.h>
 
-/* Component `component` of particle `index`. type is passed apart so that loops over a constant type compile to plain loads. */
+/* Component `component` of particle `index`. type is passed apart so that loops over a constant type compile to plain loads; an unknown one
+ * reads as 0. */
 static inline double mns_attr_get(const struct mns_attr *attr, enum mns_type type, int components, size_t index, int component)
 {
-    size_t size = mns_type_size(type), stride = attr->stride ? attr->stride : size * (size_t)components;
-    const char *at = (const char *)attr->data + index * stride + (size_t)component * size;
-#define MNS_ATTR_CASE(name, c_type) \
-    case name: {                    \
-        c_type value;               \
-        memcpy(&value, at, sizeof(value)); \
-        return (double)value;       \
+#define MNS_ATTR_CASE(name, c_type)                                                                                                        \
+    case name: {                                                                                                                           \
+        c_type value;                                                                                                                      \
+        size_t stride = attr->stride ? attr->stride : sizeof(value) * (size_t)components;                                                  \
+        const char *at = (const char *)attr->data + index * stride + (size_t)component * sizeof(value);                                    \
+        memcpy(&value, at, sizeof(value));                                                                                                 \
+        return (double)value;                                                                                                              \
     }
     switch (type) {
         MNS_ATTR_CASE(MNS_F32, float)

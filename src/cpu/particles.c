@@ -4,6 +4,7 @@
 #include "core/attr.h"
 #include "core/message.h"
 #include "cpu/measure.h"
+#include "util/prefetch.h"
 
 #include <float.h>
 #include <math.h>
@@ -26,7 +27,7 @@ struct fill {
     struct {
         double min[3], max[3];
         size_t finite;
-    } part[SLICE_MAX];         /* of each slice */
+    } part[SLICE_MAX]; /* of each slice */
     double origin[3];
     float grid_min[3], grid_scale; /* Morton grid, relative to the origin */
     struct entry *from, *to;
@@ -168,11 +169,14 @@ static void sort_entries(struct fill *fill)
 /* Copies one chunk's particles to their places and measures its box. */
 static void gather_chunk(struct fill *fill, size_t chunk, enum mns_type type)
 {
+    enum { AHEAD = 16 }; /* particles, from anywhere in the caller's array */
     struct particle_store *store = fill->store;
     const struct mns_particles *in = fill->particles;
     float min[3] = {FLT_MAX, FLT_MAX, FLT_MAX}, max[3] = {-FLT_MAX, -FLT_MAX, -FLT_MAX}, radius = 0;
+    size_t stride = in->position.stride ? in->position.stride : 3 * mns_type_size(type), last = store->count - 1;
     for (size_t i = chunk * CHUNK_SIZE; i < (chunk + 1) * CHUNK_SIZE; i++) {
-        size_t index = fill->from[i < store->count ? i : store->count - 1].index;
+        size_t index = fill->from[i < last ? i : last].index, ahead = fill->from[i + AHEAD < last ? i + AHEAD : last].index;
+        mns_prefetch((const char *)in->position.data + ahead * stride);
         float p[3];
         position_of(fill, type, index, p);
         store->x[i] = p[0];
@@ -233,7 +237,8 @@ void mns_particle_store_free(struct particle_store *store, struct memory *memory
 static bool allocate_store(struct particle_store *store, struct memory *memory, const struct mns_particles *in)
 {
     store->chunk_count = (store->count + CHUNK_SIZE - 1) / CHUNK_SIZE;
-    float **arrays[] = {&store->x, &store->y, &store->z, &store->radius, &store->mass, &store->color[0], &store->color[1], &store->color[2]};
+    float **arrays[] = {&store->x,    &store->y,        &store->z,        &store->radius,
+                        &store->mass, &store->color[0], &store->color[1], &store->color[2]};
     const bool wanted[] = {true, true, true, in->radius.data, in->mass.data, in->color.data, in->color.data, in->color.data};
     bool done = true;
     for (size_t i = 0; i < sizeof(arrays) / sizeof(arrays[0]); i++) {

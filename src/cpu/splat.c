@@ -7,6 +7,7 @@
 #include "cpu/cpu.h"
 #include "cpu/splat_cut.h"
 #include "cpu/tiles.h"
+#include "util/prefetch.h"
 
 #include <math.h>
 #include <string.h>
@@ -40,24 +41,14 @@ static float least_square(int first, int count, float center, float focal)
     return off / focal * (off / focal);
 }
 
-/* Asks for the cache line at an address. */
-static inline void prefetch(const void *address)
-{
-#ifdef __GNUC__
-    __builtin_prefetch(address);
-#else
-    (void)address;
-#endif
-}
-
 /* Asks for a chunk's positions. */
 static void prefetch_chunk(const struct particle_store *particles, size_t chunk)
 {
     enum { LINE_FLOATS = 16 };
     for (size_t i = chunk * CHUNK_SIZE; i < (chunk + 1) * CHUNK_SIZE; i += LINE_FLOATS) {
-        prefetch(particles->x + i);
-        prefetch(particles->y + i);
-        prefetch(particles->z + i);
+        mns_prefetch(particles->x + i);
+        mns_prefetch(particles->y + i);
+        mns_prefetch(particles->z + i);
     }
 }
 
@@ -67,7 +58,7 @@ static void gather_list(const struct tiles *tiles, const uint32_t *entries, size
     enum { AHEAD = 16 };
     for (size_t i = 0; i < count; i++) {
         if (i + AHEAD < count) {
-            prefetch(&tiles->chunks[entries[i + AHEAD]]);
+            mns_prefetch(&tiles->chunks[entries[i + AHEAD]]);
         }
         list[i] = (struct tile_entry){.chunk = tiles->chunks[entries[i]], .id = entries[i]};
     }

@@ -1,5 +1,6 @@
 /* The renderer as a caller sees it: objects, memory, threads, messages. */
 #include <math.h>
+#include <pthread.h>
 #include <stdbool.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -193,6 +194,43 @@ static void threads_and_their_order_change_no_byte(void **state)
     assert_true(jobs > 0);
 }
 
+enum { RENDERERS = 3 };
+
+struct life {
+    float (*positions)[3];
+    uint8_t pixels[WIDTH * HEIGHT * 4];
+    bool done;
+};
+
+static void *live_alone(void *context)
+{
+    struct life *life = context;
+    struct counting counting = {0};
+    life->done = live(&counting, life->positions, life->pixels);
+    return NULL;
+}
+
+static void renderers_in_threads_of_their_own_do_not_meet(void **state)
+{
+    (void)state;
+    static float positions[COUNT][3];
+    static struct life lives[RENDERERS];
+    fill_block(positions);
+    pthread_t threads[RENDERERS];
+    for (int i = 0; i < RENDERERS; i++) {
+        lives[i].positions = positions;
+        assert_int_equal(pthread_create(&threads[i], NULL, live_alone, &lives[i]), 0);
+    }
+    static struct life alone;
+    alone.positions = positions;
+    live_alone(&alone);
+    for (int i = 0; i < RENDERERS; i++) {
+        assert_int_equal(pthread_join(threads[i], NULL), 0);
+        assert_true(lives[i].done);
+        assert_memory_equal(lives[i].pixels, alone.pixels, sizeof(alone.pixels));
+    }
+}
+
 struct heard {
     int errors, warnings;
     char last[1024];
@@ -258,6 +296,7 @@ int main(void)
         cmocka_unit_test(memory_that_runs_out_anywhere_is_an_error_and_no_leak),
         cmocka_unit_test(a_frame_like_the_last_asks_for_no_memory),
         cmocka_unit_test(threads_and_their_order_change_no_byte),
+        cmocka_unit_test(renderers_in_threads_of_their_own_do_not_meet),
         cmocka_unit_test(faults_are_told_and_the_renderer_lives_on),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
