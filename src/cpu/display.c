@@ -46,18 +46,14 @@ static void show_curvature(float per_radius, float out[3])
     out[2] = 0;
 }
 
-void mns_display_row(const struct frame *frame, const struct display_range *range, const struct shade_row *row, const float *curvature,
-                     float *out)
+void mns_display_row(const struct frame *frame, const struct display_range *range, struct shade_row *row, const float *curvature)
 {
     float extent = range->high - range->low;
-    for (int i = 0; i < row->count; i++, out += 4) {
-        out[0] = out[1] = out[2] = 0;
+    for (int i = 0; i < row->count; i++) {
+        float out[3] = {0, 0, 0};
         bool fluid = row->nz[i] != 0;
-        out[3] = fluid || frame->params.background != MNS_BACKGROUND_TRANSPARENT;
-        if (!fluid) {
-            continue;
-        }
-        switch (frame->params.display) {
+        switch (fluid ? frame->params.display : -1) {
+        case -1: break;
         case MNS_DISPLAY_NORMAL: /* view space is (x, -y, -z) of image space */
             out[0] = 0.5f + 0.5f * row->nx[i];
             out[1] = 0.5f - 0.5f * row->ny[i];
@@ -73,5 +69,9 @@ void mns_display_row(const struct frame *frame, const struct display_range *rang
             break;
         default: show_curvature(curvature[i] * frame->splat_radius, out); break;
         }
+        for (int c = 0; c < 3; c++) {
+            row->out[c][i] = out[c];
+        }
+        row->out[3][i] = fluid || frame->params.background != MNS_BACKGROUND_TRANSPARENT;
     }
 }

@@ -14,8 +14,7 @@ bool mns_display_is_diagram(int display);
 /* The range of the depth or of the thickness where fluid shows; unused by the other modes. */
 struct display_range mns_display_measure(const struct backend *cpu, const struct frame *frame);
 
-/* out: [count][4], the values as they are shown. */
-void mns_display_row(const struct frame *frame, const struct display_range *range, const struct shade_row *row, const float *curvature,
-                     float *out);
+/* The values as they are shown, to row->out. */
+void mns_display_row(const struct frame *frame, const struct display_range *range, struct shade_row *row, const float *curvature);
 
 #endif

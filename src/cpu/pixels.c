@@ -50,3 +50,9 @@ void mns_pixels_decode(const struct srgb_decoder *decoder, const struct mns_imag
         out[4 * x + 3] = 1;
     }
 }
+
+void *mns_pixels_at(const struct mns_image *image, int x, int y)
+{
+    size_t size = image->pixel == MNS_PIXEL_F32 ? 4 : image->pixel == MNS_PIXEL_U16 ? 2 : 1;
+    return (char *)mns_pixels_row(image, y) + size * (size_t)image->channels * (size_t)x;
+}

@@ -26,4 +26,7 @@ void mns_pixels_decode(const struct srgb_decoder *decoder, const struct mns_imag
 /* The first byte of row y. */
 void *mns_pixels_row(const struct mns_image *image, int y);
 
+/* The pixel at (x, y). */
+void *mns_pixels_at(const struct mns_image *image, int x, int y);
+
 #endif

@@ -123,13 +123,24 @@ static void draw_row(struct scene_run *run, int y)
     }
 }
 
+static void write_colors(const struct scene_run *run, const struct mns_image *to, int y)
+{
+    const struct shade_kernels *kernels = run->cpu->kernels->shade;
+    const float *from = run->cpu->scene.color + 4 * (ptrdiff_t)y * run->cpu->scene.stride;
+    float planes[4][SHADE_SPAN];
+    for (int x = 0; x < to->width; x += SHADE_SPAN) {
+        int count = to->width - x < SHADE_SPAN ? to->width - x : SHADE_SPAN;
+        kernels->split(from + 4 * (ptrdiff_t)x, count, planes);
+        kernels->encode(planes, count, 1, PIXEL_COLOR, to->pixel, to->channels, mns_pixels_at(to, x, y));
+    }
+}
+
 static void write_layers(const struct scene_run *run, int y)
 {
     const struct scene_image *scene = &run->cpu->scene;
     const struct mns_image *color = mns_frame_output(run->frame, MNS_LAYER_SCENE_COLOR);
     if (color) {
-        run->cpu->kernels->shade->encode(scene->color + 4 * (ptrdiff_t)y * scene->stride, color->width, 1, PIXEL_COLOR, color->pixel,
-                                         color->channels, mns_pixels_row(color, y));
+        write_colors(run, color, y);
     }
     const struct mns_image *depth = mns_frame_output(run->frame, MNS_LAYER_SCENE_DEPTH);
     if (depth) {

@@ -158,7 +158,7 @@ static void draw(struct shade_run *run, struct shade_row *row, const float *curv
         break;
     case MNS_DISPLAY_OPAQUE:
     case MNS_DISPLAY_SPHERES: kernels->opaque(&run->optics, run->has_color, row); break;
-    default: mns_display_row(run->frame, &run->range, row, curvature, row->out); break;
+    default: mns_display_row(run->frame, &run->range, row, curvature); break;
     }
 }
 
@@ -169,7 +169,6 @@ static void shade_row(struct shade_run *run, struct shade_row *row)
     const float *scene_depth = optics->scene_depth ? optics->scene_depth + row->y * optics->scene_depth_stride + row->x : NULL;
     const struct mns_image *beauty = mns_frame_output(run->frame, MNS_LAYER_BEAUTY);
     float curvature[SHADE_SPAN];
-    const float *pixels = row->out;
     int display = run->frame->params.display;
     bool diagram = mns_display_is_diagram(display);
     int found = run->cpu->kernels->shade->normals(optics, depth, run->surface->stride, scene_depth, row->x, row->y, row->count, row->nx,
@@ -195,12 +194,10 @@ static void shade_row(struct shade_run *run, struct shade_row *row)
     if (found > 0 || diagram) {
         draw(run, row, curvature);
     } else {
-        pixels = optics->scene + 4 * (row->y * optics->scene_stride + row->x);
+        run->cpu->kernels->shade->split(optics->scene + 4 * (row->y * optics->scene_stride + row->x), row->count, row->out);
     }
-    size_t pixel_size = beauty->pixel == MNS_PIXEL_F32 ? 4 : beauty->pixel == MNS_PIXEL_U16 ? 2 : 1;
-    char *to = (char *)mns_pixels_row(beauty, row->y) + pixel_size * (size_t)beauty->channels * (size_t)row->x;
-    run->cpu->kernels->shade->encode(pixels, row->count, diagram ? 1 : run->gain, diagram ? PIXEL_CODE : PIXEL_COLOR, beauty->pixel,
-                                     beauty->channels, to);
+    run->cpu->kernels->shade->encode(row->out, row->count, diagram ? 1 : run->gain, diagram ? PIXEL_CODE : PIXEL_COLOR, beauty->pixel,
+                                     beauty->channels, mns_pixels_at(beauty, row->x, row->y));
 }
 
 static void shade_job(void *context, int index)

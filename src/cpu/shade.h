@@ -51,7 +51,7 @@ struct shade_row {
     float look_x[SHADE_SPAN],
         look_y[SHADE_SPAN];       /* where the scene is looked up: pixel centres at whole numbers, inside the picture */
     float behind[4 * SHADE_SPAN]; /* what was found there: [count][4] */
-    float out[4 * SHADE_SPAN];    /* [count][4] linear, straight alpha */
+    float out[4][SHADE_SPAN];     /* linear, straight alpha; a plane per channel */
 };
 
 /* Rows of normals above, at and below a row of pixels: n[row][component], pixel 0 at index 0, one more pixel on each side. */
@@ -98,9 +98,13 @@ struct shade_kernels {
     /* out: an opaque surface in the same light, the pixel's own scene where no fluid is. As water. */
     void (*opaque)(const struct shade_optics *optics, bool has_color, struct shade_row *row);
 
+    /* planes: the channels of count pixels, at most SHADE_SPAN, of a picture [count][4]. */
+    void (*split)(const float *rgba, int count, float planes[4][SHADE_SPAN]);
+
     /* count pixels of linear colour (times gain) and straight alpha as the caller wants them: sRGB and rounded to nearest in integers, NaN as 0;
      * channels 3 or 4. Integers differ by 1 at most, where the exact value is within 0.01 (8 bits) or 0.4 (16 bits) of halfway. */
-    void (*encode)(const float *rgba, int count, float gain, enum pixel_meaning meaning, enum mns_pixel pixel, int channels, void *out);
+    void (*encode)(float planes[4][SHADE_SPAN], int count, float gain, enum pixel_meaning meaning, enum mns_pixel pixel, int channels,
+                   void *out);
 };
 
 extern const struct shade_kernels mns_shade_kernels_scalar, mns_shade_kernels_sse2, mns_shade_kernels_avx2, mns_shade_kernels_avx512,

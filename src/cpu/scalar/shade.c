@@ -220,22 +220,21 @@ static void reflected(const struct shade_optics *o, const float n[3], const floa
     sky_radiance(&o->sky, dot(r, o->sky.up), sky_sun_distance2(&o->sky, r), out);
 }
 
-static void own_scene(const struct shade_optics *o, const struct shade_row *row, int i, float out[4])
+static void put(struct shade_row *row, int i, const float color[4])
 {
-    const float *scene = o->scene + 4 * (row->y * o->scene_stride + row->x + i);
     for (int c = 0; c < 4; c++) {
-        out[c] = scene[c];
+        row->out[c][i] = color[c];
     }
 }
 
 static void water(const struct shade_optics *o, bool has_color, struct shade_row *row)
 {
     for (int i = 0; i < row->count; i++) {
-        float *out = row->out + 4 * i;
         if (row->nz[i] == 0) {
-            own_scene(o, row, i, out);
+            put(row, i, o->scene + 4 * (row->y * o->scene_stride + row->x + i));
             continue;
         }
+        float out[4];
         const float n[3] = {row->nx[i], row->ny[i], row->nz[i]};
         float v[3], mirrored[3];
         ray_of(o, row->x + i, row->y, v);
@@ -257,17 +256,18 @@ static void water(const struct shade_optics *o, bool has_color, struct shade_row
             out[c] /= fmaxf(alpha, 1e-6f);
         }
         out[3] = alpha;
+        put(row, i, out);
     }
 }
 
 static void opaque(const struct shade_optics *o, bool has_color, struct shade_row *row)
 {
     for (int i = 0; i < row->count; i++) {
-        float *out = row->out + 4 * i;
         if (row->nz[i] == 0) {
-            own_scene(o, row, i, out);
+            put(row, i, o->scene + 4 * (row->y * o->scene_stride + row->x + i));
             continue;
         }
+        float out[4];
         const float n[3] = {row->nx[i], row->ny[i], row->nz[i]};
         float v[3], mirrored[3];
         ray_of(o, row->x + i, row->y, v);
@@ -280,18 +280,27 @@ static void opaque(const struct shade_optics *o, bool has_color, struct shade_ro
             out[c] = albedo * light + shine * mirrored[c] + glint * o->sky.sun_light[c];
         }
         out[3] = 1;
+        put(row, i, out);
     }
 }
 
 /* Linear to sRGB, 0 to 1. */
 static float srgb(float linear) { return linear <= 0.0031308f ? 12.92f * linear : 1.055f * powf(linear, 1 / 2.4f) - 0.055f; }
 
-static void encode(const float *rgba, int count, float gain, enum pixel_meaning meaning, enum mns_pixel pixel, int channels, void *out)
+static void split(const float *rgba, int count, float planes[4][SHADE_SPAN])
+{
+    for (int i = 0; i < 4 * count; i++) {
+        planes[i % 4][i / 4] = rgba[i];
+    }
+}
+
+static void encode(float planes[4][SHADE_SPAN], int count, float gain, enum pixel_meaning meaning, enum mns_pixel pixel, int channels,
+                   void *out)
 {
     for (int i = 0; i < count; i++) {
         for (int c = 0; c < channels; c++) {
             int at = channels * i + c;
-            float value = rgba[4 * i + c] * (c < 3 ? gain : 1);
+            float value = planes[c][i] * (c < 3 ? gain : 1);
             if (pixel == MNS_PIXEL_F32) {
                 ((float *)out)[at] = value;
                 continue;
@@ -307,5 +316,11 @@ static void encode(const float *rgba, int count, float gain, enum pixel_meaning 
     }
 }
 
-const struct shade_kernels mns_shade_kernels_scalar = {
-    .normals = normals, .curvature = curvature, .optics = optics, .fetch = fetch, .water = water, .opaque = opaque, .encode = encode};
+const struct shade_kernels mns_shade_kernels_scalar = {.normals = normals,
+                                                       .curvature = curvature,
+                                                       .optics = optics,
+                                                       .fetch = fetch,
+                                                       .water = water,
+                                                       .opaque = opaque,
+                                                       .split = split,
+                                                       .encode = encode};

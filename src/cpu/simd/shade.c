@@ -277,7 +277,9 @@ SIMD void store_over(const struct shade_optics *o, struct shade_row *row, int i,
             out[c] = vf_select(fluid, out[c], own[c]);
         }
     }
-    vf_store_rgba(row->out + 4 * i, out[0], out[1], out[2], out[3]);
+    for (int c = 0; c < 4; c++) {
+        vf_storeu(row->out[c] + i, out[c]);
+    }
 }
 
 /* Straight colour and alpha of fluid before nothing: covers is what it hides, alpha makes room for what it adds. */
@@ -291,12 +293,12 @@ SIMD void over_nothing(vf covers, vf out[4])
     }
 }
 
-SIMD void water_at(const struct shade_optics *o, bool has_color, struct shade_row *row, int i, struct v3 n, vm fluid)
+SIMD void water_at(const struct shade_optics *o, bool has_color, const struct shade_row *row, int i, struct v3 n, vf out[4])
 {
     struct v3 v = rays(o, row->x + i, row->y);
     vf one = vf_set1(1.0f), cosine = vf_saturate(vf_neg(v3_dot(n, v))), shine = vf_loadu(row->fresnel + i), enters = one - shine,
        covers = vf_zero();
-    vf glint = highlight(o, n, v, cosine), mirrored[3], behind[4] = {vf_zero(), vf_zero(), vf_zero(), vf_zero()}, out[4];
+    vf glint = highlight(o, n, v, cosine), mirrored[3], behind[4] = {vf_zero(), vf_zero(), vf_zero(), vf_zero()};
     reflected(o, n, v, cosine, mirrored);
     shine = shine * vf_set1(o->reflection);
     if (!o->transparent) {
@@ -315,20 +317,29 @@ SIMD void water_at(const struct shade_optics *o, bool has_color, struct shade_ro
     if (o->transparent) {
         over_nothing(covers, out);
     }
-    store_over(o, row, i, fluid, out);
+}
+
+static void split(const float *rgba, int count, float planes[4][SHADE_SPAN])
+{
+    for (int i = 0; i < count; i += VLEN) {
+        vf channels[4];
+        vf_load_rgba(rgba + 4 * i, channels);
+        for (int c = 0; c < 4; c++) {
+            vf_storeu(planes[c] + i, channels[c]);
+        }
+    }
 }
 
 static void water(const struct shade_optics *o, bool has_color, struct shade_row *row)
 {
-    const float *own = o->scene + 4 * (row->y * o->scene_stride + row->x);
     for (int i = 0; i < row->count; i += VLEN) {
         struct v3 n = row_normals(row, i);
         vm fluid = vm_and(vf_lt(vf_zero(), v3_dot(n, n)), vm_first(row->count - i));
+        vf out[4] = {vf_zero(), vf_zero(), vf_zero(), vf_zero()};
         if (vm_any(fluid)) {
-            water_at(o, has_color, row, i, n, fluid);
-        } else {
-            memcpy(row->out + 4 * i, own + 4 * i, 4 * VLEN * sizeof(float));
+            water_at(o, has_color, row, i, n, out);
         }
+        store_over(o, row, i, fluid, out);
     }
 }
 
@@ -371,70 +382,81 @@ SIMD vf srgb_curve(vf a)
     return vf_fma(p, t, vf_set1(-0.0595466132f));
 }
 
-/* Channels of VLEN / 4 pixels as codes from 0 to 1. */
-SIMD vf codes(const float *rgba, vf gain, vm is_color)
+/* A channel of VLEN pixels as a code from 0 to 1. */
+SIMD vf code_of(const float *values, float gain, bool is_color)
 {
-    const float foot = 0.0031308f;
-    vf value = vf_saturate(vf_loadu(rgba) * gain), curve = srgb_curve(vf_max(value, vf_set1(foot)));
-    vf code = vf_select(vf_le(value, vf_set1(foot)), vf_set1(12.92f) * value, curve);
-    return vf_min(vf_select(is_color, code, value), vf_set1(1.0f));
+    vf foot = vf_set1(0.0031308f), value = vf_saturate(vf_loadu(values) * vf_set1(gain));
+    if (!is_color) {
+        return value;
+    }
+    return vf_select(vf_le(value, foot), vf_set1(12.92f) * value, vf_min(srgb_curve(vf_max(value, foot)), vf_set1(1.0f)));
 }
 
-SIMD void encode_floats(const float *rgba, int count, float gain, int channels, float *out)
+SIMD void encode_floats(float planes[4][SHADE_SPAN], int count, float gain, int channels, float *out)
 {
     for (int i = 0; i < count; i++) {
         for (int c = 0; c < channels; c++) {
-            out[channels * i + c] = rgba[4 * i + c] * (c < 3 ? gain : 1);
+            out[channels * i + c] = planes[c][i] * (c < 3 ? gain : 1);
         }
     }
 }
 
-enum { ENCODE_PIECE = 64 }; /* pixels that are encoded at a time, since the caller's row must not be written beyond its end */
-
-/* count pixels, at most ENCODE_PIECE, as four bytes or words each. */
-SIMD void encode_piece(const float *rgba, int count, float gain, enum pixel_meaning meaning, uint8_t *bytes, uint16_t *words)
+/* Four bytes or words a pixel, to count rounded up to VLEN. */
+SIMD void encode_codes(float planes[4][SHADE_SPAN], int count, float gain, enum pixel_meaning meaning, uint8_t *bytes, uint16_t *words)
 {
-    const float colors[16] = {1, 1, 1, 0, 1, 1, 1, 0, 1, 1, 1, 0, 1, 1, 1, 0};
-    vf pattern = vf_loadu(colors), gains = vf_fma(pattern, vf_set1(gain - 1), vf_set1(1.0f));
-    vm is_color = vf_gt(pattern, vf_set1(meaning == PIXEL_COLOR ? 0.5f : 2.0f));
     vf top = vf_set1(bytes ? 255.0f : 65535.0f), half = vf_set1(0.5f);
-    for (int i = 0; i < 4 * count; i += VLEN) {
-        vi code = vf_truncate(vf_fma(codes(rgba + i, gains, is_color), top, half));
+    for (int i = 0; i < count; i += VLEN) {
+        vf code[4];
+        for (int c = 0; c < 4; c++) {
+            code[c] = vf_fma(code_of(planes[c] + i, c < 3 ? gain : 1, c < 3 && meaning == PIXEL_COLOR), top, half);
+        }
         if (bytes) {
-            vi_store_u8(bytes + i, code);
-        } else {
-            vi_store_u16(words + i, code);
-        }
-    }
-}
-
-static void encode(const float *rgba, int count, float gain, enum pixel_meaning meaning, enum mns_pixel pixel, int channels, void *out)
-{
-    if (pixel == MNS_PIXEL_F32) {
-        encode_floats(rgba, count, gain, channels, out);
-        return;
-    }
-    const size_t size = pixel == MNS_PIXEL_U8 ? 1 : 2;
-    for (int begin = 0; begin < count; begin += ENCODE_PIECE) {
-        uint16_t words[4 * ENCODE_PIECE + 16];
-        uint8_t bytes[4 * ENCODE_PIECE + 16];
-        int piece = count - begin < ENCODE_PIECE ? count - begin : ENCODE_PIECE;
-        const char *from = size == 1 ? (const char *)bytes : (const char *)words;
-        char *to = (char *)out + size * (size_t)channels * (size_t)begin;
-        if (size == 1) {
-            encode_piece(rgba + 4 * begin, piece, gain, meaning, bytes, NULL);
-        } else {
-            encode_piece(rgba + 4 * begin, piece, gain, meaning, NULL, words);
-        }
-        if (channels == 4) {
-            memcpy(to, from, 4 * size * (size_t)piece);
+            vi red_green = vi_or(vf_truncate(code[0]), vi_shl(vf_truncate(code[1]), 8));
+            vi blue_alpha = vi_or(vf_truncate(code[2]), vi_shl(vf_truncate(code[3]), 8));
+            vi pixels = vi_or(red_green, vi_shl(blue_alpha, 16));
+            memcpy(bytes + 4 * i, &pixels, sizeof(pixels));
             continue;
         }
-        for (int i = 0; i < piece; i++) {
-            memcpy(to + 3 * size * (size_t)i, from + 4 * size * (size_t)i, 3 * size);
+        vf_transpose_4(code);
+        vf_lanes_together(code);
+        for (int c = 0; c < 4; c++) {
+            vi_store_u16(words + 4 * i + c * VLEN, vf_truncate(code[c]));
         }
     }
 }
 
-const struct shade_kernels SIMD_NAME(mns_shade_kernels) = {
-    .normals = normals, .curvature = curvature, .optics = optics, .fetch = fetch, .water = water, .opaque = opaque, .encode = encode};
+static void encode(float planes[4][SHADE_SPAN], int count, float gain, enum pixel_meaning meaning, enum mns_pixel pixel, int channels,
+                   void *out)
+{
+    uint16_t words[4 * SHADE_SPAN]; /* the caller's row must not be written beyond its end */
+    uint8_t bytes[4 * SHADE_SPAN];
+    const char *from = (const char *)words;
+    size_t size = sizeof(words[0]);
+    if (pixel == MNS_PIXEL_F32) {
+        encode_floats(planes, count, gain, channels, out);
+        return;
+    }
+    if (pixel == MNS_PIXEL_U8) {
+        encode_codes(planes, count, gain, meaning, bytes, NULL);
+        from = (const char *)bytes;
+        size = sizeof(bytes[0]);
+    } else {
+        encode_codes(planes, count, gain, meaning, NULL, words);
+    }
+    if (channels == 4) {
+        memcpy(out, from, 4 * size * (size_t)count);
+        return;
+    }
+    for (int i = 0; i < count; i++) {
+        memcpy((char *)out + 3 * size * (size_t)i, from + 4 * size * (size_t)i, 3 * size);
+    }
+}
+
+const struct shade_kernels SIMD_NAME(mns_shade_kernels) = {.normals = normals,
+                                                           .curvature = curvature,
+                                                           .optics = optics,
+                                                           .fetch = fetch,
+                                                           .water = water,
+                                                           .opaque = opaque,
+                                                           .split = split,
+                                                           .encode = encode};
