@@ -135,7 +135,8 @@ MNS_API const struct mns_param *mns_param_info(size_t index);
 MNS_API const struct mns_param *mns_param_find(const char *name); /* NULL when there is none */
 
 /* Sets one parameter from text: a number, "auto", "on" or "off", a choice's name, three numbers "R,G,B", or a colour "RRGGBB" in
- * sRGB. On failure nothing is changed and message (may be NULL) names the allowed values, or the nearest name. */
+ * sRGB. Numbers have a decimal point, whatever the program's locale. On failure nothing is changed and message (may be NULL) names the
+ * allowed values, or the nearest name. */
 MNS_API mns_result mns_params_set(struct mns_params *params, const char *name, const char *value, struct mns_message *message);
 
 /* Writes a parameter's value as mns_params_set reads it. Returns the length that was needed, as snprintf; -1 for an unknown name. */

@@ -214,16 +214,60 @@ static bool parse_hex_color(const char *text, double out[3])
     return true;
 }
 
+/* The C library writes and reads numbers by the program's locale; parameters have a point whatever that says. */
+struct decimal_point {
+    char text[8];
+    size_t length;
+};
+
+static struct decimal_point decimal_point(void)
+{
+    struct decimal_point point = {".", 1};
+    char half[16];
+    int written = snprintf(half, sizeof(half), "%.1f", 0.5);
+    if (written > 2 && (size_t)written - 2 < sizeof(point.text)) { /* what stands between 0 and 5 */
+        point.length = (size_t)written - 2;
+        memcpy(point.text, half + 1, point.length);
+        point.text[point.length] = '\0';
+    }
+    return point;
+}
+
+/* A number at the beginning of text, in *out. Returns what follows it; NULL: none. */
+static const char *parse_number(const char *text, double *out)
+{
+    struct decimal_point point = decimal_point();
+    char copy[64], *end;
+    size_t used = 0;
+    text += strspn(text, " ");
+    size_t length = strspn(text, "+-.0123456789abcdefinptxyABCDEFINPTXY");
+    if (length == 0 || length + sizeof(point.text) >= sizeof(copy)) {
+        return NULL;
+    }
+    bool has_point = false;
+    for (size_t i = 0; i < length; i++) {
+        if (text[i] == '.' && !has_point) {
+            memcpy(copy + used, point.text, point.length);
+            used += point.length;
+            has_point = true;
+        } else {
+            copy[used++] = text[i];
+        }
+    }
+    copy[used] = '\0';
+    *out = strtod(copy, &end);
+    return end == copy + used ? text + length : NULL;
+}
+
 /* One number for each component, commas between; false: anything else. */
 static bool parse_numbers(const char *text, int count, double out[3])
 {
     for (int i = 0; i < count; i++) {
-        char *end;
-        out[i] = strtod(text, &end);
-        if (end == text || *end != (i + 1 < count ? ',' : '\0')) {
+        text = parse_number(text, &out[i]);
+        if (!text || *text != (i + 1 < count ? ',' : '\0')) {
             return false;
         }
-        text = end + 1;
+        text++;
     }
     return true;
 }
@@ -281,6 +325,12 @@ static const char *shortest(float value, char *text)
     do {
         snprintf(text, 32, "%.*g", digits, (double)value);
     } while (digits++ < 9 && strtof(text, NULL) != value);
+    struct decimal_point point = decimal_point();
+    char *at = strstr(text, point.text);
+    if (at) {
+        *at = '.';
+        memmove(at + 1, at + point.length, strlen(at + point.length) + 1);
+    }
     return text;
 }
 

@@ -8,6 +8,7 @@
 
 #include <meniscus/params.h>
 
+#include <locale.h>
 #include <math.h>
 #include <string.h>
 
@@ -40,7 +41,8 @@ static void test_wrong_values_change_nothing(void **state)
         {"iterations", "0", "from 1 to 100"},      {"iterations", "1.5", "whole"},  {"iterations", "10000", "100"},
         {"filter", "median", "narrow-range"},      {"floor", "maybe", "on or off"}, {"fluid_color", "1,2", "three numbers"},
         {"thickness_scale", "3", "auto, 1, 2, 4"}, {"sgima", "1", "'sigma'"},       {"radius", "0", "or auto"},
-        {"radius", "", "empty"},
+        {"radius", "", "empty"},                   {"sigma", "1.5.2", "a number"},  {"sigma", ".", "a number"},
+        {"sigma", "0,5", "a number"},
     };
     for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
         struct mns_params params, before;
@@ -63,6 +65,28 @@ static void test_colours_and_auto(void **state)
     assert_int_equal(mns_params_set(&params, "radius", "0.5", NULL), MNS_OK);
     assert_int_equal(mns_params_set(&params, "radius", "auto", NULL), MNS_OK);
     assert_true(params.radius == 0.0f);
+}
+
+static void test_a_program_that_writes_commas_changes_nothing(void **state)
+{
+    static const char *const names[] = {"de_DE.UTF-8", "de_DE.utf8", "fr_FR.UTF-8", "fr_FR.utf8", "de-DE", NULL};
+    const char *set = NULL;
+    for (int i = 0; names[i] && !set; i++) {
+        set = setlocale(LC_NUMERIC, names[i]);
+    }
+    if (!set) {
+        skip(); /* no such locale on this machine */
+    }
+    struct mns_params params;
+    char text[64];
+    mns_params_init(&params);
+    assert_int_equal(mns_params_set(&params, "fluid_color", "0.25, 1.5,2e-1", NULL), MNS_OK);
+    assert_true(params.fluid_color[0] == 0.25f && params.fluid_color[1] == 1.5f && params.fluid_color[2] == 0.2f);
+    assert_int_equal(mns_params_get(&params, "fluid_color", text, sizeof(text)), 12);
+    assert_string_equal(text, "0.25,1.5,0.2");
+    assert_int_equal(mns_params_set(&params, "sigma", "0,5", NULL), MNS_ERR_INVALID_ARGUMENT);
+    test_defaults_are_valid_and_round_trip(state);
+    setlocale(LC_NUMERIC, "C");
 }
 
 static void test_check_finds_bad_fields(void **state)
@@ -88,6 +112,7 @@ int main(void)
         cmocka_unit_test(test_defaults_are_valid_and_round_trip),
         cmocka_unit_test(test_wrong_values_change_nothing),
         cmocka_unit_test(test_colours_and_auto),
+        cmocka_unit_test(test_a_program_that_writes_commas_changes_nothing),
         cmocka_unit_test(test_check_finds_bad_fields),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
