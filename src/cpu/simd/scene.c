@@ -24,14 +24,15 @@ struct floor_hit {
 
 /* Rays of VLEN pixels: x and y per unit of depth, or the point on the image plane. */
 struct rays {
-    vf dx, dy, length, inv_length;
+    vf dx, dy, inv_length;
 };
 
-SIMD vf checker_axis(vf u, vf width)
+/* inv_width: 1 / width */
+SIMD vf checker_axis(vf u, vf width, vf inv_width)
 {
     vf centre = u - vf_set1(0.5f), away = vf_fnma(vf_set1(2.0f), vf_round(centre * vf_set1(0.5f)), centre);
     vf wave = vf_set1(0.5f) - vf_abs(away), one = vf_set1(1.0f);
-    vf t = vf_clamp(wave * vf_rcp(vf_max(width, vf_set1(1e-6f))), vf_zero() - one, one);
+    vf t = vf_clamp(wave * inv_width, vf_zero() - one, one);
     return t * (vf_set1(2.0f) - vf_abs(t)) * vf_clamp((vf_set1(2.0f) - width) * vf_set1(1 / 1.5f), vf_zero(), one);
 }
 
@@ -64,24 +65,27 @@ SIMD struct floor_hit meet_floor(const struct backdrop *b, const struct rays *r)
     if (!vm_any(vf_gt(sine, vf_zero()))) {
         return hit;
     }
-    vf z = gap * vf_rcp(fall);
+    vf inv_fall = vf_rcp(fall), z = gap * inv_fall;
     hit.here =
         vm_and(vf_gt(sine, vf_zero()), vm_and(vf_gt(z, vf_set1(b->orthographic ? b->near_plane : 0)), vf_lt(z, vf_set1(DEPTH_LIMIT))));
     hit.depth = vf_select(hit.here, z, hit.depth);
     hit.haze = vf_select(hit.here, floor_haze(sine), hit.haze);
-    vf inv_near = vf_rcp(vf_min(fall, vf_set1(-1e-4f) * r->length)), z_near = gap * inv_near;
+    /* Towards the horizon, where haze is all there is, the floor is looked up as where the ray falls by 1e-4: u stays finite. */
+    vf inv_near = vf_max(inv_fall, vf_set1(-1e4f) * r->inv_length), z_near = gap * inv_near;
     vf scale = vf_set1(b->inv_cell), along[2], checker[2];
     if (!b->orthographic) {
         scale = scale * z_near;
     }
+    vf inv_scale = vf_rcp(scale);
     for (int k = 0; k < 2; k++) {
         const float *axis = k == 0 ? b->axis_u : b->axis_v;
         vf along_ray = ray_dot(b, axis, r), slope = along_ray * inv_near;
         along[k] = vf_either(b->orthographic, vf_dot(axis, r->dx, r->dy, z), z_near * along_ray);
         vf per_x = vf_fnma(slope, vf_set1(up[0]), vf_set1(axis[0])) * vf_set1(b->step_x);
         vf per_y = vf_fnma(slope, vf_set1(up[1]), vf_set1(axis[1])) * vf_set1(b->step_y);
-        vf width = vf_root(vf_max(vf_fma(per_x, per_x, per_y * per_y), vf_set1(1e-36f))) * scale;
-        checker[k] = checker_axis(vf_fma(along[k], vf_set1(b->inv_cell), vf_set1(k == 0 ? b->offset_u : b->offset_v)), width);
+        vf width2 = vf_max(vf_fma(per_x, per_x, per_y * per_y), vf_set1(1e-36f)), inv_width = vf_rsqrt(width2); /* metres at scale 1 */
+        checker[k] = checker_axis(vf_fma(along[k], vf_set1(b->inv_cell), vf_set1(k == 0 ? b->offset_u : b->offset_v)),
+                                  width2 * inv_width * scale, inv_width * inv_scale);
     }
     hit.checker = checker[0] * checker[1];
     hit.map_u = vf_fma(along[0], vf_set1(b->light_scale), vf_set1(b->light_u));
@@ -125,11 +129,9 @@ static void find(const struct backdrop *b, int x, int y, int count, struct span 
 {
     vf step_x = vf_set1(b->step_x), dy = vf_set1(((float)y + 0.5f - b->cy) * b->step_y), one = vf_set1(1.0f);
     for (int i = 0; i < count; i += VLEN) {
-        struct rays r = {.dx = (vf_iota() + vf_set1((float)(x + i) + 0.5f - b->cx)) * step_x, .dy = dy, .length = one, .inv_length = one};
+        struct rays r = {.dx = (vf_iota() + vf_set1((float)(x + i) + 0.5f - b->cx)) * step_x, .dy = dy, .inv_length = one};
         if (!b->orthographic) {
-            vf length2 = vf_fma(r.dx, r.dx, vf_fma(dy, dy, one));
-            r.inv_length = vf_rsqrt(length2);
-            r.length = length2 * r.inv_length;
+            r.inv_length = vf_rsqrt(vf_fma(r.dx, r.dx, vf_fma(dy, dy, one)));
         }
         struct floor_hit hit = no_floor();
         if (b->has_floor) {
