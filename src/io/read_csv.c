@@ -127,7 +127,24 @@ static bool is_text(struct bytes head)
     return strange == 0;
 }
 
-/* Perhaps: text with a line of at least two numbers among the first. */
+/* One line of names and nothing more: a table without rows. */
+static bool is_names_alone(struct bytes head)
+{
+    struct cursor cursor = {head, 0};
+    struct bytes line, names = {head.data, 0};
+    while (mns_take_line(&cursor, &line)) {
+        if (is_blank(line))
+            continue;
+        if (names.size > 0)
+            return false;
+        names = line;
+    }
+    bool numbers;
+    char separator = find_separator(names);
+    return separator != ' ' && count_fields(names, separator, &numbers) >= 3;
+}
+
+/* Perhaps: text with a line of at least two numbers among the first, or a header without rows. */
 static int probe(struct bytes head)
 {
     struct cursor cursor = {head, 0};
@@ -145,7 +162,7 @@ static int probe(struct bytes head)
         if (numbers == 2)
             return 1;
     }
-    return 0;
+    return is_names_alone(head);
 }
 
 /* ---- names ---- */
@@ -329,7 +346,8 @@ static mns_result set_structure(struct table *table, struct bytes row, struct by
         name_columns(table, names);
     else
         name_bare_columns(table, table->kind == TABLE_XYZ);
-    mark_text(table, row);
+    if (rows > 0)
+        mark_text(table, row);
     table->row_count = rows;
     /* A row needs a character per field and one between two: a table that is not rectangular must not ask for memory. */
     size_t smallest = 2 * table->column_count - 1;

@@ -107,6 +107,9 @@ static void no_rows_are_a_valid_set(void **state)
         assert_int_equal(mns_particle_set_particles(set)->count, 0);
         mns_particle_set_destroy(&set);
     }
+    mns_particle_set *set = read_text("\n\"id\",\"Points:0\",\"Points:1\",\"Points:2\"\n\n", "a.csv", NULL); /* told from its content */
+    assert_int_equal(mns_particle_set_particles(set)->count, 0);
+    mns_particle_set_destroy(&set);
 }
 
 static void refuse(const char *text, const char *words)
