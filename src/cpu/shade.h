@@ -71,6 +71,10 @@ struct shade_normals {
 #define SHADE_SUNSET  6.0f
 #define SHADE_GRAZING 0.15f
 
+/* What the water mirrors from below the horizon is the floor close by, which may lie in the fluid's own shadow: no brighter than what is seen
+ * through the water, fully so from a quarter below the horizon on (the sine's inverse). Else every edge that turns to the floor shines. */
+#define SHADE_BELOW 4.0f
+
 /* Arrays may be read and written up to count rounded up to 16. Tolerances against plain C, relative to the largest value, come from fused
  * products and from reciprocals and roots of 3e-7. */
 struct shade_kernels {

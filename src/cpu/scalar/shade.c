@@ -213,11 +213,13 @@ static float highlight(const struct shade_optics *o, const float n[3], const flo
     return o->specular * 0.125f * (o->shininess + 2) * power * fresnel(o, sun_cosine) * seen;
 }
 
-/* The sky, or the ground, in the direction that the surface reflects. */
-static void reflected(const struct shade_optics *o, const float n[3], const float v[3], float cosine, float out[3])
+/* The sky, or the ground, in the direction that the surface reflects. Returns that direction's height. */
+static float reflected(const struct shade_optics *o, const float n[3], const float v[3], float cosine, float out[3])
 {
     const float r[3] = {v[0] + 2 * cosine * n[0], v[1] + 2 * cosine * n[1], v[2] + 2 * cosine * n[2]};
-    sky_radiance(&o->sky, dot(r, o->sky.up), sky_sun_distance2(&o->sky, r), out);
+    float height = dot(r, o->sky.up);
+    sky_radiance(&o->sky, height, sky_sun_distance2(&o->sky, r), out);
+    return height;
 }
 
 static void put(struct shade_row *row, int i, const float color[4])
@@ -239,13 +241,14 @@ static void water(const struct shade_optics *o, bool has_color, struct shade_row
         float v[3], mirrored[3];
         ray_of(o, row->x + i, row->y, v);
         float cosine = clamp(-dot(n, v), 0, 1), enters = 1 - row->fresnel[i], covers = 0, largest = 0;
-        reflected(o, n, v, cosine, mirrored);
+        float below = clamp(-SHADE_BELOW * reflected(o, n, v, cosine, mirrored), 0, 1);
         float glint = highlight(o, n, v, cosine);
         for (int c = 0; c < 3; c++) {
-            float through = row->transmittance[c][i];
+            float through = row->transmittance[c][i], behind = o->transparent ? 0 : row->behind[4 * i + c];
+            mirrored[c] += o->transparent ? 0 : below * fminf(behind - mirrored[c], 0);
             float scatter = has_color ? o->scatter_light[c] * clamp(row->color[c][i], 0, 1) : o->scatter[c];
             /* [LGS09] eq. 14 with a coefficient per channel, then eq. 13. */
-            float body = (o->transparent ? 0 : row->behind[4 * i + c]) * through + scatter * (1 - through);
+            float body = behind * through + scatter * (1 - through);
             out[c] = enters * body + o->reflection * row->fresnel[i] * mirrored[c] + glint * o->sky.sun_light[c];
             covers += (1 - enters * through) * (1 / 3.0f);
             largest = fmaxf(largest, out[c]);

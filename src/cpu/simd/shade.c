@@ -261,10 +261,12 @@ SIMD vf highlight(const struct shade_optics *o, struct v3 n, struct v3 v, vf cos
     return vf_keep(lit, vf_set1(o->specular * 0.125f * (o->shininess + 2)) * power * reflectance * seen);
 }
 
-SIMD void reflected(const struct shade_optics *o, struct v3 n, struct v3 v, vf cosine, vf out[3])
+SIMD vf reflected(const struct shade_optics *o, struct v3 n, struct v3 v, vf cosine, vf out[3])
 {
     struct v3 r = v3_fma(cosine + cosine, n, v);
-    sky_radiance(&o->sky, vf_dot(o->sky.up, r.x, r.y, r.z), sky_sun_distance2(&o->sky, r.x, r.y, r.z), out);
+    vf height = vf_dot(o->sky.up, r.x, r.y, r.z);
+    sky_radiance(&o->sky, height, sky_sun_distance2(&o->sky, r.x, r.y, r.z), out);
+    return height;
 }
 
 /* Stores out where fluid is and the pixels' own scene elsewhere. */
@@ -299,9 +301,11 @@ SIMD void water_at(const struct shade_optics *o, bool has_color, const struct sh
     vf one = vf_set1(1.0f), cosine = vf_saturate(vf_neg(v3_dot(n, v))), shine = vf_loadu(row->fresnel + i), enters = one - shine,
        covers = vf_zero();
     vf glint = highlight(o, n, v, cosine), mirrored[3], behind[4] = {vf_zero(), vf_zero(), vf_zero(), vf_zero()};
-    reflected(o, n, v, cosine, mirrored);
+    vf below = vf_saturate(vf_set1(-SHADE_BELOW) * reflected(o, n, v, cosine, mirrored));
     shine = shine * vf_set1(o->reflection);
-    if (!o->transparent) {
+    if (o->transparent) {
+        below = vf_zero();
+    } else {
         vf_load_rgba(row->behind + 4 * i, behind);
     }
     for (int c = 0; c < 3; c++) {
@@ -310,6 +314,7 @@ SIMD void water_at(const struct shade_optics *o, bool has_color, const struct sh
             scatter = vf_set1(o->scatter_light[c]) * vf_saturate(vf_loadu(row->color[c] + i));
         }
         vf body = vf_fma(through, behind[c] - scatter, scatter);
+        mirrored[c] = vf_fma(below, vf_min(behind[c] - mirrored[c], vf_zero()), mirrored[c]);
         out[c] = vf_fma(enters, body, vf_fma(shine, mirrored[c], glint * vf_set1(o->sky.sun_light[c])));
         covers = vf_fma(vf_fnma(enters, through, one), vf_set1(1 / 3.0f), covers);
     }
