@@ -28,7 +28,7 @@ MNS_API const char *mns_role_name(enum mns_role role); /* "velocity"; NULL for a
 
 /* One attribute as it stands in the file, in the machine's byte order. */
 struct mns_attribute {
-    const char *name;   /* UTF-8 as in the file; positions are always called "position" */
+    const char *name; /* UTF-8 as in the file; positions are always called "position" */
     enum mns_type type;
     int components;     /* per particle, >= 1 */
     const void *data;   /* [count][components], packed */
@@ -36,20 +36,17 @@ struct mns_attribute {
 };
 
 struct mns_read_params {
-    size_t struct_size;               /* set by mns_read_params_init */
-    const char *format;               /* a name from mns_read_format; NULL: told from content, then name */
-    const char *const *roles;         /* [role_count] "ROLE=NAME": overrides the table of known names; "ROLE=": drop that role */
+    size_t struct_size;       /* set by mns_read_params_init */
+    const char *format;       /* a name from mns_read_format; NULL: told from content, then name */
+    const char *const *roles; /* [role_count] "ROLE=NAME": overrides the table of known names; "ROLE=": drop that role */
     size_t role_count;
-    const char *where;                /* expression over attributes such as "type==0 && density>200"; NULL: all particles */
-    size_t max_bytes;                 /* most memory for one file's contents and arrays; 0: no limit but the machine's */
-    struct mns_allocator allocator;   /* kept until the set is destroyed */
-    struct mns_log log;               /* warnings: dropped particles, unknown arrays */
+    const char *where;              /* expression over attributes such as "type==0 && density>200"; NULL: all particles */
+    size_t max_bytes;               /* most memory for one file's contents and arrays; 0: no limit but the machine's */
+    struct mns_allocator allocator; /* kept until the set is destroyed */
+    struct mns_log log;             /* warnings: dropped particles, unknown arrays */
 };
 MNS_API void mns_read_params_init_sized(struct mns_read_params *params, size_t size);
-static inline void mns_read_params_init(struct mns_read_params *params)
-{
-    mns_read_params_init_sized(params, sizeof(*params));
-}
+static inline void mns_read_params_init(struct mns_read_params *params) { mns_read_params_init_sized(params, sizeof(*params)); }
 
 /* Names of the formats this build reads: "bgeo", "vtk", ... index out of range: NULL. */
 MNS_API const char *mns_read_format(size_t index);
@@ -74,8 +71,8 @@ MNS_API void mns_particle_set_destroy(mns_particle_set **set); /* sets *set to N
 
 MNS_API const struct mns_particles *mns_particle_set_particles(const mns_particle_set *set); /* views of the set's arrays */
 MNS_API const char *mns_particle_set_format(const mns_particle_set *set);                    /* "bgeo" */
-MNS_API size_t mns_particle_set_file_count(const mns_particle_set *set);                     /* particles in the file, before `where` and dropping */
-MNS_API size_t mns_particle_set_dropped(const mns_particle_set *set);                        /* dropped for a position that is not finite */
+MNS_API size_t mns_particle_set_file_count(const mns_particle_set *set); /* particles in the file, before `where` and dropping */
+MNS_API size_t mns_particle_set_dropped(const mns_particle_set *set);    /* dropped for a position that is not finite */
 MNS_API size_t mns_particle_set_attribute_count(const mns_particle_set *set);
 MNS_API const struct mns_attribute *mns_particle_set_attribute(const mns_particle_set *set, size_t index); /* NULL: out of range */
 
@@ -96,7 +93,8 @@ MNS_API mns_result mns_image_write(const char *path, const struct mns_image *ima
 MNS_API const char *mns_image_write_format(size_t index); /* "png", "npy" as built; NULL: out of range */
 
 /* Encodes to memory, for standard output. The caller frees *data with mns_memory_free. */
-MNS_API mns_result mns_image_encode(const char *format, const struct mns_image *image, void **data, size_t *size, struct mns_message *message);
+MNS_API mns_result mns_image_encode(const char *format, const struct mns_image *image, void **data, size_t *size,
+                                    struct mns_message *message);
 MNS_API void mns_memory_free(void *data);
 
 /* Writes particles: .npy (positions), .npz (position, velocity, density, radius, id, mass, color as there are). */

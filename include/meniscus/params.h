@@ -49,27 +49,27 @@ struct mns_params {
     size_t struct_size; /* set by mns_params_init */
 
     /* Particles. */
-    float radius;           /* metres; 0 (auto): the particles' own, else estimated */
-    float radius_scale;     /* splat radius R over particle radius */
-    float particle_volume;  /* m^3; 0 (auto): mass / rest_density, else estimated spacing^3, else (2 radius)^3 */
-    float rest_density;     /* kg/m^3; 0 (auto): unknown */
-    float fluid_size;       /* L, metres; 0 (auto): from this particle set */
+    float radius;          /* metres; 0 (auto): the particles' own, else estimated */
+    float radius_scale;    /* splat radius R over particle radius */
+    float particle_volume; /* m^3; 0 (auto): mass / rest_density, else estimated spacing^3, else (2 radius)^3 */
+    float rest_density;    /* kg/m^3; 0 (auto): unknown */
+    float fluid_size;      /* L, metres; 0 (auto): from this particle set */
 
     /* Thickness. */
-    int thickness_mode;     /* enum mns_thickness_mode */
-    int thickness_scale;    /* 1, 2 or 4: pixels per thickness texel; 0 (auto): by the splats' size in pixels */
-    float thickness_blur;   /* r: sigma of the Gaussian that smooths thickness and colour; 0: off */
+    int thickness_mode;   /* enum mns_thickness_mode */
+    int thickness_scale;  /* 1, 2 or 4: pixels per thickness texel; 0 (auto): by the splats' size in pixels */
+    float thickness_blur; /* r: sigma of the Gaussian that smooths thickness and colour; 0: off */
 
     /* Smoothing. */
-    int filter;             /* enum mns_filter */
-    int iterations;         /* N: N times rows + columns, or N 2-D passes */
-    float sigma;            /* r: [TY18] eq. 5 */
-    float delta;            /* r: [TY18] eq. 2, 6 */
-    float mu;               /* r: [TY18] eq. 2; at most delta */
-    float kernel_cut;       /* sigmas at which the kernel ends, its weight there subtracted */
-    int bias_correction;    /* 0 or 1: [TY18] eq. 6 */
-    int dynamic_range;      /* 0 or 1: [TY18] eq. 7-9 */
-    float edge_threshold;   /* r: neighbours whose depths differ by more are apart, for normals */
+    int filter;           /* enum mns_filter */
+    int iterations;       /* N: N times rows + columns, or N 2-D passes */
+    float sigma;          /* r: [TY18] eq. 5 */
+    float delta;          /* r: [TY18] eq. 2, 6 */
+    float mu;             /* r: [TY18] eq. 2; at most delta */
+    float kernel_cut;     /* sigmas at which the kernel ends, its weight there subtracted */
+    int bias_correction;  /* 0 or 1: [TY18] eq. 6 */
+    int dynamic_range;    /* 0 or 1: [TY18] eq. 7-9 */
+    float edge_threshold; /* r: neighbours whose depths differ by more are apart, for normals */
 
     /* Water. */
     int display;                  /* enum mns_display */
@@ -85,27 +85,24 @@ struct mns_params {
     float opaque_color[3];        /* linear RGB of the surface in display opaque and spheres */
 
     /* Scene drawn by us, when the caller gives none. */
-    int background;               /* enum mns_background */
-    float background_color[3];    /* linear RGB */
-    int up_axis;                  /* enum mns_axis */
-    int floor;                    /* 0 or 1 */
-    float floor_height;           /* coordinate along up_axis, metres; -inf (auto): under the lowest particle */
-    float floor_cell;             /* metres per checker cell; 0 (auto): from L */
-    float floor_light[3];         /* linear RGB of the bright cells */
-    float floor_dark[3];          /* linear RGB of the dark cells */
-    int shadow;                   /* 0 or 1: the fluid's own shadow on the floor */
-    float sun_azimuth;            /* degrees about the up axis */
-    float sun_elevation;          /* degrees above the horizon */
-    float sun_intensity;          /* times the default sun */
-    float exposure;               /* EV: the picture times 2^exposure */
+    int background;            /* enum mns_background */
+    float background_color[3]; /* linear RGB */
+    int up_axis;               /* enum mns_axis */
+    int floor;                 /* 0 or 1 */
+    float floor_height;        /* coordinate along up_axis, metres; -inf (auto): under the lowest particle */
+    float floor_cell;          /* metres per checker cell; 0 (auto): from L */
+    float floor_light[3];      /* linear RGB of the bright cells */
+    float floor_dark[3];       /* linear RGB of the dark cells */
+    int shadow;                /* 0 or 1: the fluid's own shadow on the floor */
+    float sun_azimuth;         /* degrees about the up axis */
+    float sun_elevation;       /* degrees above the horizon */
+    float sun_intensity;       /* times the default sun */
+    float exposure;            /* EV: the picture times 2^exposure */
 };
 
 /* All defaults. size: sizeof(struct mns_params) as the caller knows it. */
 MNS_API void mns_params_init_sized(struct mns_params *params, size_t size);
-static inline void mns_params_init(struct mns_params *params)
-{
-    mns_params_init_sized(params, sizeof(*params));
-}
+static inline void mns_params_init(struct mns_params *params) { mns_params_init_sized(params, sizeof(*params)); }
 
 enum mns_param_type {
     MNS_PARAM_FLOAT = 0, /* float[components] */
@@ -116,12 +113,12 @@ enum mns_param_type {
 
 /* One row of the table. All strings are static. */
 struct mns_param {
-    const char *name;           /* the field's name, as in --set NAME=VALUE */
-    const char *group;          /* "particles", "thickness", "smoothing", "water", "scene" */
+    const char *name;  /* the field's name, as in --set NAME=VALUE */
+    const char *group; /* "particles", "thickness", "smoothing", "water", "scene" */
     enum mns_param_type type;
-    int components;             /* 1, or 3 for colours */
-    size_t offset;              /* in struct mns_params */
-    double minimum, maximum;    /* inclusive */
+    int components;          /* 1, or 3 for colours */
+    size_t offset;           /* in struct mns_params */
+    double minimum, maximum; /* inclusive */
     double defaults[3];
     int has_auto;               /* 1: the default is `auto`, outside the range, and may be written so */
     const char *unit;           /* "m", "r", "L", "deg", ...; "" for none */

@@ -33,19 +33,16 @@ struct mns_particles {
 
 /* No particles, no attributes. size: sizeof(struct mns_particles) as the caller knows it. */
 MNS_API void mns_particles_init_sized(struct mns_particles *particles, size_t size);
-static inline void mns_particles_init(struct mns_particles *particles)
-{
-    mns_particles_init_sized(particles, sizeof(*particles));
-}
+static inline void mns_particles_init(struct mns_particles *particles) { mns_particles_init_sized(particles, sizeof(*particles)); }
 
 /* What a set of particles measures. Bounds are those of the centres; all zero when no particle is finite. */
 struct mns_measure {
-    size_t count;                            /* particles with a finite position */
-    size_t dropped;                          /* particles without */
-    double bounds_min[3], bounds_max[3];     /* metres: all finite particles */
-    double inner_min[3], inner_max[3];       /* metres: the 0.1 % and 99.9 % quantiles of each coordinate */
-    double spacing;                          /* metres: estimated rest spacing; 0 when it cannot be told (under 2 distinct particles) */
-    double radius;                           /* metres: the median of the given radii where there are some, else spacing / 2 */
+    size_t count;                        /* particles with a finite position */
+    size_t dropped;                      /* particles without */
+    double bounds_min[3], bounds_max[3]; /* metres: all finite particles */
+    double inner_min[3], inner_max[3];   /* metres: the 0.1 % and 99.9 % quantiles of each coordinate */
+    double spacing;                      /* metres: estimated rest spacing; 0 when it cannot be told (under 2 distinct particles) */
+    double radius;                       /* metres: the median of the given radii where there are some, else spacing / 2 */
 };
 
 /* Measures a set. The spacing is (4 pi d_k^3 / (3 k))^(1/3) with d_k the distance to the k = 20th neighbour (fewer particles: the

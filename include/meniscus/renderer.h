@@ -20,7 +20,8 @@ typedef struct mns_renderer mns_renderer; /* opaque; one thread at a time */
 
 enum mns_backend { MNS_BACKEND_AUTO = 0, MNS_BACKEND_CPU = 1 };
 
-enum mns_isa { /* instruction sets of the CPU backend */
+/* Instruction sets of the CPU backend. */
+enum mns_isa {
     MNS_ISA_AUTO = 0,
     MNS_ISA_SCALAR = 1, /* plain C: the definition of every kernel */
     MNS_ISA_SSE2 = 2,
@@ -46,10 +47,7 @@ struct mns_renderer_params {
 };
 
 MNS_API void mns_renderer_params_init_sized(struct mns_renderer_params *params, size_t size);
-static inline void mns_renderer_params_init(struct mns_renderer_params *params)
-{
-    mns_renderer_params_init_sized(params, sizeof(*params));
-}
+static inline void mns_renderer_params_init(struct mns_renderer_params *params) { mns_renderer_params_init_sized(params, sizeof(*params)); }
 
 /* params NULL: all defaults. On success the caller owns *out; on failure *out is NULL and message (may be NULL) says why. */
 MNS_API mns_result mns_renderer_create(mns_renderer **out, const struct mns_renderer_params *params, struct mns_message *message);
@@ -76,8 +74,8 @@ enum mns_layer {
     MNS_LAYER_COUNT = 12
 };
 
-MNS_API const char *mns_layer_name(enum mns_layer layer);               /* "depth_raw"; NULL for an unknown value */
-MNS_API int mns_layer_channels(enum mns_layer layer);                   /* 1, 3 or 4; 0 for an unknown value */
+MNS_API const char *mns_layer_name(enum mns_layer layer);                 /* "depth_raw"; NULL for an unknown value */
+MNS_API int mns_layer_channels(enum mns_layer layer);                     /* 1, 3 or 4; 0 for an unknown value */
 MNS_API mns_result mns_layer_find(const char *name, enum mns_layer *out); /* by name */
 
 /* A layer and where it goes. Beauty and scene_color take every pixel type; beauty takes 3 channels too (alpha dropped); the rest
@@ -95,18 +93,15 @@ struct mns_scene {
 
 /* One picture to draw. */
 struct mns_frame {
-    size_t struct_size;                /* set by mns_frame_init */
-    const struct mns_camera *camera;   /* required */
-    const struct mns_params *params;   /* NULL: defaults */
-    const struct mns_scene *scene;     /* NULL: sky and floor as params say */
-    const struct mns_output *outputs;  /* [output_count]; each layer at most once */
+    size_t struct_size;               /* set by mns_frame_init */
+    const struct mns_camera *camera;  /* required */
+    const struct mns_params *params;  /* NULL: defaults */
+    const struct mns_scene *scene;    /* NULL: sky and floor as params say */
+    const struct mns_output *outputs; /* [output_count]; each layer at most once */
     size_t output_count;
 };
 MNS_API void mns_frame_init_sized(struct mns_frame *frame, size_t size);
-static inline void mns_frame_init(struct mns_frame *frame)
-{
-    mns_frame_init_sized(frame, sizeof(*frame));
-}
+static inline void mns_frame_init(struct mns_frame *frame) { mns_frame_init_sized(frame, sizeof(*frame)); }
 
 /* Draws the prepared particles. The outputs are written when it returns MNS_OK; otherwise what they hold is undefined.
  * No visible particle is no error: the picture is the background. */
@@ -119,28 +114,25 @@ enum { MNS_STAGE_MAX = 16 };
 
 /* What the last prepare and draw did. */
 struct mns_stats {
-    size_t struct_size;                     /* set by mns_stats_init */
-    const char *backend;                    /* "cpu" */
-    const char *isa;                        /* "avx2" */
+    size_t struct_size;  /* set by mns_stats_init */
+    const char *backend; /* "cpu" */
+    const char *isa;     /* "avx2" */
     int threads;
-    struct mns_measure measure;             /* of the prepared set */
-    double splat_radius;                    /* R, metres, as drawn */
-    double fluid_size;                      /* L, metres, as drawn */
-    size_t particles_visible;               /* in the view's frustum, by chunks */
-    size_t particles_splatted;              /* that survived culling of the hidden ones */
-    size_t pixels_covered;                  /* with fluid in depth_raw */
-    double prepare_ms;                      /* the last prepare, with the shadow of a new set once it is drawn */
-    double draw_ms;                         /* the last draw */
-    int stage_count;                        /* stages of the last draw, in order */
+    struct mns_measure measure; /* of the prepared set */
+    double splat_radius;        /* R, metres, as drawn */
+    double fluid_size;          /* L, metres, as drawn */
+    size_t particles_visible;   /* in the view's frustum, by chunks */
+    size_t particles_splatted;  /* that survived culling of the hidden ones */
+    size_t pixels_covered;      /* with fluid in depth_raw */
+    double prepare_ms;          /* the last prepare, with the shadow of a new set once it is drawn */
+    double draw_ms;             /* the last draw */
+    int stage_count;            /* stages of the last draw, in order */
     const char *stage_name[MNS_STAGE_MAX];
     double stage_ms[MNS_STAGE_MAX];
-    size_t bytes, peak_bytes;               /* memory held by the renderer now, and at most */
+    size_t bytes, peak_bytes; /* memory held by the renderer now, and at most */
 };
 MNS_API void mns_stats_init_sized(struct mns_stats *stats, size_t size);
-static inline void mns_stats_init(struct mns_stats *stats)
-{
-    mns_stats_init_sized(stats, sizeof(*stats));
-}
+static inline void mns_stats_init(struct mns_stats *stats) { mns_stats_init_sized(stats, sizeof(*stats)); }
 MNS_API void mns_renderer_stats(const mns_renderer *renderer, struct mns_stats *out);
 
 #ifdef __cplusplus

@@ -7,12 +7,12 @@
 
 /* The stages of a draw, in order. The same names stand in src/cpu, docs/pipeline.md and the statistics. */
 enum stage {
-    STAGE_SCENE,     /* -> scene_color, scene_depth: the caller's, or sky and floor with the fluid's shadow */
-    STAGE_BIN,       /* particles -> chunks per tile */
-    STAGE_SPLAT,     /* tiles -> depth_raw, thickness_raw, color sums */
-    STAGE_SMOOTH,    /* depth_raw -> depth */
-    STAGE_BLUR,      /* thickness_raw -> thickness, color */
-    STAGE_SHADE,     /* depth, thickness, color, scene -> normal, curvature, transmittance, alpha, beauty */
+    STAGE_SCENE,  /* -> scene_color, scene_depth: the caller's, or sky and floor with the fluid's shadow */
+    STAGE_BIN,    /* particles -> chunks per tile */
+    STAGE_SPLAT,  /* tiles -> depth_raw, thickness_raw, color sums */
+    STAGE_SMOOTH, /* depth_raw -> depth */
+    STAGE_BLUR,   /* thickness_raw -> thickness, color */
+    STAGE_SHADE,  /* depth, thickness, color, scene -> normal, curvature, transmittance, alpha, beauty */
     STAGE_COUNT
 };
 

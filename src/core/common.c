@@ -18,29 +18,20 @@ const char *mns_result_text(mns_result result)
     return "unknown result";
 }
 
-uint32_t mns_version(void)
-{
-    return MNS_VERSION_MAJOR * 1000000u + MNS_VERSION_MINOR * 1000u + MNS_VERSION_PATCH;
-}
+uint32_t mns_version(void) { return MNS_VERSION_MAJOR * 1000000u + MNS_VERSION_MINOR * 1000u + MNS_VERSION_PATCH; }
 
 /* In the order of enum mns_type. */
 static const struct {
     const char *name;
     size_t size;
 } types[] = {
-    {"float32", 4}, {"float64", 8}, {"int8", 1},   {"uint8", 1},  {"int16", 2},
+    {"float32", 4}, {"float64", 8}, {"int8", 1},   {"uint8", 1}, {"int16", 2},
     {"uint16", 2},  {"int32", 4},   {"uint32", 4}, {"int64", 8}, {"uint64", 8},
 };
 
-size_t mns_type_size(enum mns_type type)
-{
-    return (size_t)type < sizeof(types) / sizeof(types[0]) ? types[type].size : 0;
-}
+size_t mns_type_size(enum mns_type type) { return (size_t)type < sizeof(types) / sizeof(types[0]) ? types[type].size : 0; }
 
-const char *mns_type_name(enum mns_type type)
-{
-    return (size_t)type < sizeof(types) / sizeof(types[0]) ? types[type].name : "unknown";
-}
+const char *mns_type_name(enum mns_type type) { return (size_t)type < sizeof(types) / sizeof(types[0]) ? types[type].name : "unknown"; }
 
 void mns_particles_init_sized(struct mns_particles *particles, size_t size)
 {

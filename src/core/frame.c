@@ -59,7 +59,8 @@ static mns_result check_image(const struct mns_image *image, const char *name, c
     }
     size_t row = (size_t)image->width * (size_t)image->channels * sizes[image->pixel];
     if (image->stride != 0 && (image->stride < row || image->stride % sizes[image->pixel] != 0)) {
-        return mns_fail(message, MNS_ERR_INVALID_ARGUMENT, "image %s has a stride of %zu bytes; its rows need %zu", name, image->stride, row);
+        return mns_fail(message, MNS_ERR_INVALID_ARGUMENT, "image %s has a stride of %zu bytes; its rows need %zu", name, image->stride,
+                        row);
     }
     return MNS_OK;
 }

@@ -18,13 +18,15 @@ static const char *const backgrounds[] = {"sky", "color", "transparent", NULL};
 static const char *const axes[] = {"x", "y", "z", NULL};
 
 #define AT(field) .name = #field, .offset = offsetof(struct mns_params, field)
-#define FLOAT(field, low, high, value) AT(field), .type = MNS_PARAM_FLOAT, .components = 1, .minimum = low, .maximum = high, .defaults = {value}
-#define FLOAT3(field, low, high, a, b, c) \
+#define FLOAT(field, low, high, value)                                                                                                     \
+    AT(field), .type = MNS_PARAM_FLOAT, .components = 1, .minimum = low, .maximum = high, .defaults = {value}
+#define FLOAT3(field, low, high, a, b, c)                                                                                                  \
     AT(field), .type = MNS_PARAM_FLOAT, .components = 3, .minimum = low, .maximum = high, .defaults = {a, b, c}
 #define INT(field, low, high, value) AT(field), .type = MNS_PARAM_INT, .components = 1, .minimum = low, .maximum = high, .defaults = {value}
-#define BOOL(field, value) AT(field), .type = MNS_PARAM_BOOL, .components = 1, .minimum = 0, .maximum = 1, .defaults = {value}
-#define ENUM(field, list, value) \
-    AT(field), .type = MNS_PARAM_ENUM, .components = 1, .minimum = 0, .maximum = sizeof(list) / sizeof(*list) - 2, .choices = list, .defaults = {value}
+#define BOOL(field, value)           AT(field), .type = MNS_PARAM_BOOL, .components = 1, .minimum = 0, .maximum = 1, .defaults = {value}
+#define ENUM(field, list, value)                                                                                                           \
+    AT(field), .type = MNS_PARAM_ENUM, .components = 1, .minimum = 0, .maximum = sizeof(list) / sizeof(*list) - 2, .choices = list,        \
+               .defaults = {value}
 #define AUTO .has_auto = 1
 
 static const struct mns_param table[] = {
@@ -42,7 +44,8 @@ static const struct mns_param table[] = {
      .help = "volume: a block 1 m deep is 1 m thick; chord: the papers' sum of chords, which grows with overlap"},
     {AT(thickness_scale), .type = MNS_PARAM_ENUM, .components = 1, .minimum = 0, .maximum = 4, .choices = thickness_scales, .defaults = {0},
      .unit = "px", .group = "thickness", .help = "pixels per thickness texel; auto: so that the error stays under 1 %"},
-    {FLOAT(thickness_blur, 0, 20, 1.5), .unit = "r", .group = "thickness", .help = "sigma of the Gaussian that smooths thickness and colour; 0: off"},
+    {FLOAT(thickness_blur, 0, 20, 1.5), .unit = "r", .group = "thickness",
+     .help = "sigma of the Gaussian that smooths thickness and colour; 0: off"},
 
     {ENUM(filter, filters, MNS_FILTER_NARROW_RANGE_1D_CLEANUP), .unit = "", .group = "smoothing", .help = "how the depth is smoothed"},
     {INT(iterations, 1, 100, 3), .unit = "", .group = "smoothing", .help = "N times rows and columns, or N passes of a 2-D filter"},
@@ -58,7 +61,8 @@ static const struct mns_param table[] = {
     {ENUM(display, displays, MNS_DISPLAY_BEAUTY), .unit = "", .group = "water", .help = "what the picture shows"},
     {FLOAT3(absorption, 0, 1e12, -1, -1, -1), AUTO, .unit = "1/m", .group = "water",
      .help = "absorption per channel; auto: absorption_relative / L"},
-    {FLOAT3(absorption_relative, 0, 1e6, 2.2, 0.66, 0.3), .unit = "1/L", .group = "water", .help = "absorption per channel where absorption is auto"},
+    {FLOAT3(absorption_relative, 0, 1e6, 2.2, 0.66, 0.3), .unit = "1/L", .group = "water",
+     .help = "absorption per channel where absorption is auto"},
     {FLOAT3(fluid_color, 0, 100, 0.004, 0.035, 0.06), .unit = "", .group = "water",
      .help = "linear colour that deep fluid scatters back, times the sky's light"},
     {FLOAT(refraction_index, 1, 4, 1.333), .unit = "", .group = "water", .help = "refractive index of the fluid"},
@@ -68,7 +72,8 @@ static const struct mns_param table[] = {
     {FLOAT(reflection, 0, 10, 1), .unit = "", .group = "water", .help = "scales the reflection"},
     {FLOAT(specular, 0, 100, 1), .unit = "", .group = "water", .help = "scales the sun's highlight"},
     {FLOAT(shininess, 1, 1e5, 2000), .unit = "", .group = "water", .help = "exponent of the sun's highlight ([LGS09] eq. 13)"},
-    {FLOAT3(opaque_color, 0, 1, 0.05, 0.25, 0.6), .unit = "", .group = "water", .help = "linear colour of the surface in display opaque and spheres"},
+    {FLOAT3(opaque_color, 0, 1, 0.05, 0.25, 0.6), .unit = "", .group = "water",
+     .help = "linear colour of the surface in display opaque and spheres"},
 
     {ENUM(background, backgrounds, MNS_BACKGROUND_SKY), .unit = "", .group = "scene", .help = "what stands behind the fluid"},
     {FLOAT3(background_color, 0, 100, 0.6, 0.66, 0.75), .unit = "", .group = "scene", .help = "linear colour of background color"},
@@ -192,7 +197,9 @@ static mns_result fail_range(struct mns_message *message, const struct mns_param
 {
     const char *space = *row->unit ? " " : "";
     return mns_fail(message, MNS_ERR_INVALID_ARGUMENT, "%s is %s; it must be %s%s from %g to %g%s%s%s", row->name, value,
-                    row->components == 3 ? "three numbers R,G,B" : row->type == MNS_PARAM_INT ? "a whole number" : "a number",
+                    row->components == 3         ? "three numbers R,G,B"
+                    : row->type == MNS_PARAM_INT ? "a whole number"
+                                                 : "a number",
                     row->components == 3 ? " each" : "", row->minimum, row->maximum, space, row->unit, row->has_auto ? ", or auto" : "");
 }
 
@@ -313,10 +320,7 @@ mns_result mns_params_set(struct mns_params *params, const char *name, const cha
 }
 
 /* Whether a value of a row is the table's auto. */
-static bool is_auto(const struct mns_param *row, const float *values)
-{
-    return row->has_auto && values[0] == (float)row->defaults[0];
-}
+static bool is_auto(const struct mns_param *row, const float *values) { return row->has_auto && values[0] == (float)row->defaults[0]; }
 
 /* The shortest decimal that reads back as the same float. text: [32] */
 static const char *shortest(float value, char *text)

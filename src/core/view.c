@@ -32,8 +32,9 @@ static mns_result check_camera(const struct mns_camera *camera, struct mns_messa
         }
     }
     if (!isfinite(camera->near_plane) || !(camera->far_plane > camera->near_plane)) {
-        return mns_fail(message, MNS_ERR_INVALID_ARGUMENT, "the camera's near plane is at %g and its far plane at %g; far must be beyond near",
-                        camera->near_plane, camera->far_plane);
+        return mns_fail(message, MNS_ERR_INVALID_ARGUMENT,
+                        "the camera's near plane is at %g and its far plane at %g; far must be beyond near", camera->near_plane,
+                        camera->far_plane);
     }
     return MNS_OK;
 }

@@ -20,13 +20,13 @@ struct thickness_image {
 
 /* What stands behind the fluid. */
 struct scene_image {
-    float *color;           /* [height][stride][4] linear RGB; the fourth is 1 where something opaque or sky is, 0 where transparent */
-    ptrdiff_t stride;       /* pixels */
-    struct plane depth;     /* metres; DEPTH_EMPTY where there is nothing opaque. border 0 */
-    bool has_depth;         /* false: depth is empty everywhere and not filled */
-    bool cuts_fluid;        /* whether depth may lie before some fluid: the thickness must be clipped at it */
-    size_t capacity;        /* pixels of color */
-    struct shadow *shadow;  /* the fluid's shadow on the floor (shadow.h), kept while set, sun and floor stand still */
+    float *color;          /* [height][stride][4] linear RGB; the fourth is 1 where something opaque or sky is, 0 where transparent */
+    ptrdiff_t stride;      /* pixels */
+    struct plane depth;    /* metres; DEPTH_EMPTY where there is nothing opaque. border 0 */
+    bool has_depth;        /* false: depth is empty everywhere and not filled */
+    bool cuts_fluid;       /* whether depth may lie before some fluid: the thickness must be clipped at it */
+    size_t capacity;       /* pixels of color */
+    struct shadow *shadow; /* the fluid's shadow on the floor (shadow.h), kept while set, sun and floor stand still */
 };
 
 struct backend {
@@ -34,16 +34,16 @@ struct backend {
     const struct kernels *kernels;
     enum mns_isa isa;
 
-    struct particle_store particles; /* prepare */
-    unsigned generation;             /* grows with each prepare: keys what is kept per particle set */
-    struct tiles *tiles;             /* bin */
-    struct depth_plane depth_raw;    /* splat */
-    struct depth_plane depth[2];     /* smooth: its two buffers */
-    struct depth_plane *smoothed;    /* smooth: where the result is (depth_raw when the filter is none) */
-    struct thickness_image raw;      /* splat */
-    struct thickness_image blurred;  /* blur */
+    struct particle_store particles;    /* prepare */
+    unsigned generation;                /* grows with each prepare: keys what is kept per particle set */
+    struct tiles *tiles;                /* bin */
+    struct depth_plane depth_raw;       /* splat */
+    struct depth_plane depth[2];        /* smooth: its two buffers */
+    struct depth_plane *smoothed;       /* smooth: where the result is (depth_raw when the filter is none) */
+    struct thickness_image raw;         /* splat */
+    struct thickness_image blurred;     /* blur */
     struct plane blur_half, blur_decay; /* blur: between its two passes, and how fast the Gaussian of each texel falls */
-    struct scene_image scene;        /* scene */
+    struct scene_image scene;           /* scene */
     struct backend_stats stats;
 };
 

@@ -4,8 +4,10 @@
 #include <stddef.h>
 
 /* Each stage's table of an instruction set, gathered. */
-#define KERNELS(isa) \
-    {&mns_splat_kernels_##isa, &mns_smooth_kernels_##isa, &mns_blur_kernels_##isa, &mns_scene_kernels_##isa, &mns_shade_kernels_##isa}
+#define KERNELS(isa)                                                                                                                       \
+    {                                                                                                                                      \
+        &mns_splat_kernels_##isa, &mns_smooth_kernels_##isa, &mns_blur_kernels_##isa, &mns_scene_kernels_##isa, &mns_shade_kernels_##isa   \
+    }
 
 static const struct kernels scalar = KERNELS(scalar);
 #ifdef MNS_HAVE_SSE2

@@ -11,10 +11,10 @@ enum { CHUNK_SIZE = 64 };
  * kernels may load whole vectors; count tells how many are real. Positions are relative to facts.origin. */
 struct particle_store {
     size_t count, chunk_count;
-    float *x, *y, *z;        /* metres */
-    float *radius;           /* metres, or NULL: all the same */
-    float *mass;             /* kg, or NULL */
-    float *color[3];         /* linear, or NULL */
+    float *x, *y, *z; /* metres */
+    float *radius;    /* metres, or NULL: all the same */
+    float *mass;      /* kg, or NULL */
+    float *color[3];  /* linear, or NULL */
     /* Boxes of the chunks' centres, and the largest radius in each (0 when radius is NULL). [chunk_count rounded up to 16] */
     float *box_min[3], *box_max[3], *box_radius;
     struct particle_facts facts;

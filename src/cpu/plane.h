@@ -25,8 +25,8 @@ struct plane {
     float *data;
     ptrdiff_t stride; /* floats */
     int width, height, border;
-    float *block;   /* the allocation */
-    size_t floats;  /* its size */
+    float *block;  /* the allocation */
+    size_t floats; /* its size */
 };
 
 /* Gives the plane its size; contents become undefined when it changes, the border 0. false: out of memory (plane empty). */

@@ -48,10 +48,9 @@ struct shade_row {
     float color[3][SHADE_SPAN];         /* of the particles, where they have one */
     float transmittance[3][SHADE_SPAN]; /* of the fluid's body, without its surface */
     float fresnel[SHADE_SPAN];
-    float look_x[SHADE_SPAN],
-        look_y[SHADE_SPAN];       /* where the scene is looked up: pixel centres at whole numbers, inside the picture */
-    float behind[4 * SHADE_SPAN]; /* what was found there: [count][4] */
-    float out[4][SHADE_SPAN];     /* linear, straight alpha; a plane per channel */
+    float look_x[SHADE_SPAN], look_y[SHADE_SPAN]; /* where the scene is looked up: pixel centres at whole numbers, inside the picture */
+    float behind[4 * SHADE_SPAN];                 /* what was found there: [count][4] */
+    float out[4][SHADE_SPAN];                     /* linear, straight alpha; a plane per channel */
 };
 
 /* Rows of normals above, at and below a row of pixels: n[row][component], pixel 0 at index 0, one more pixel on each side. */

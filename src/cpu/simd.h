@@ -23,7 +23,7 @@
 
 #if defined(MNS_SIMD_AVX512)
 
-#define VLEN 16
+#define VLEN            16
 #define SIMD_NAME(base) base##_avx512
 typedef __m512 vf;
 typedef __m512i vi;
@@ -86,7 +86,7 @@ SIMD vi vf_bits(vf a) { return _mm512_castps_si512(a); }
 SIMD vf vi_as_float(vi a) { return _mm512_castsi512_ps(a); }
 SIMD vf vf_gather(const float *base, vi index) { return _mm512_i32gather_ps(index, base, 4); }
 SIMD vf vf_scale2(vf a, vf n) { return _mm512_scalef_ps(a, n); } /* a * 2^n, n whole */
-SIMD void vf_lanes_apart(vf p[4]) /* pixels 0-3, 4-7, ... in four vectors -> 0 4 8 12, 1 5 9 13, ... */
+SIMD void vf_lanes_apart(vf p[4])                                /* pixels 0-3, 4-7, ... in four vectors -> 0 4 8 12, 1 5 9 13, ... */
 {
     vf a = _mm512_shuffle_f32x4(p[0], p[1], 0x88), b = _mm512_shuffle_f32x4(p[0], p[1], 0xdd);
     vf c = _mm512_shuffle_f32x4(p[2], p[3], 0x88), d = _mm512_shuffle_f32x4(p[2], p[3], 0xdd);
@@ -110,7 +110,7 @@ SIMD void vi_store_u16(uint16_t *p, vi a) { _mm256_storeu_si256((__m256i *)(void
 
 #elif defined(MNS_SIMD_AVX2)
 
-#define VLEN 8
+#define VLEN            8
 #define SIMD_NAME(base) base##_avx2
 typedef __m256 vf;
 typedef __m256i vi;
@@ -187,10 +187,7 @@ SIMD vf vi_float(vi a) { return _mm256_cvtepi32_ps(a); }
 SIMD vi vf_bits(vf a) { return _mm256_castps_si256(a); }
 SIMD vf vi_as_float(vi a) { return _mm256_castsi256_ps(a); }
 SIMD vf vf_gather(const float *base, vi index) { return _mm256_i32gather_ps(base, index, 4); }
-SIMD vf vf_scale2(vf a, vf n)
-{
-    return _mm256_mul_ps(a, vi_as_float(vi_shl(vi_add(vf_nearest(n), vi_set1(127)), 23)));
-}
+SIMD vf vf_scale2(vf a, vf n) { return _mm256_mul_ps(a, vi_as_float(vi_shl(vi_add(vf_nearest(n), vi_set1(127)), 23))); }
 
 SIMD void vf_lanes_apart(vf p[4]) /* pixels 0 1, 2 3, 4 5, 6 7 in four vectors -> 0 4, 1 5, 2 6, 3 7 */
 {
@@ -229,7 +226,7 @@ SIMD void vi_store_u8(uint8_t *p, vi a)
 
 #elif defined(MNS_SIMD_SSE2)
 
-#define VLEN 4
+#define VLEN            4
 #define SIMD_NAME(base) base##_sse2
 typedef __m128 vf;
 typedef __m128i vi;
@@ -331,10 +328,7 @@ SIMD vf vf_gather(const float *base, vi index)
     vi_store(i, index);
     return _mm_setr_ps(base[i[0]], base[i[1]], base[i[2]], base[i[3]]);
 }
-SIMD vf vf_scale2(vf a, vf n)
-{
-    return _mm_mul_ps(a, vi_as_float(vi_shl(vi_add(vf_nearest(n), vi_set1(127)), 23)));
-}
+SIMD vf vf_scale2(vf a, vf n) { return _mm_mul_ps(a, vi_as_float(vi_shl(vi_add(vf_nearest(n), vi_set1(127)), 23))); }
 
 SIMD void vf_lanes_apart(vf p[4]) { (void)p; } /* one pixel each already */
 SIMD void vf_lanes_together(vf p[4]) { (void)p; }
@@ -353,7 +347,7 @@ SIMD void vi_store_u8(uint8_t *p, vi a)
 
 #elif defined(MNS_SIMD_NEON)
 
-#define VLEN 4
+#define VLEN            4
 #define SIMD_NAME(base) base##_neon
 typedef float32x4_t vf;
 typedef int32x4_t vi;

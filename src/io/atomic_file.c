@@ -1,6 +1,6 @@
 /* atomic_file.c: writing beside and renaming. */
 #ifndef _WIN32
-#define _POSIX_C_SOURCE 200809L
+#define _POSIX_C_SOURCE   200809L
 #define _FILE_OFFSET_BITS 64
 #endif
 
@@ -27,8 +27,8 @@ enum { TRIES = 100 };
 struct atomic_file {
     FILE *stream;
     uint64_t size;
-    int error;       /* errno of the first failure; 0: none */
-    bool in_place;   /* path is no plain file (/dev/stdout, a pipe): written to directly */
+    int error;     /* errno of the first failure; 0: none */
+    bool in_place; /* path is no plain file (/dev/stdout, a pipe): written to directly */
     char *path, *temporary;
 };
 
@@ -80,8 +80,9 @@ static FILE *open_beside(struct atomic_file *file)
     for (int i = 0; !stream && i < TRIES; i++) {
         snprintf(file->temporary, size, "%s.tmp-%ld-%d", file->path, (long)process_id(), i);
         stream = fopen(file->temporary, "wbx");
-        if (!stream && errno != EEXIST)
+        if (!stream && errno != EEXIST) {
             break;
+        }
     }
     return stream;
 }
@@ -89,11 +90,13 @@ static FILE *open_beside(struct atomic_file *file)
 mns_result mns_atomic_begin(struct atomic_file **out, const char *path, struct mns_message *message)
 {
     *out = NULL;
-    if (is_folder(path))
+    if (is_folder(path)) {
         return mns_fail(message, MNS_ERR_IO, "%s: cannot be written: it is a folder", path);
+    }
     struct atomic_file *file = calloc(1, sizeof(*file));
-    if (!file)
+    if (!file) {
         return mns_fail(message, MNS_ERR_OUT_OF_MEMORY, "%s: out of memory", path);
+    }
     file->path = malloc(strlen(path) + 1);
     if (!file->path) {
         free_file(file);
@@ -113,8 +116,9 @@ mns_result mns_atomic_begin(struct atomic_file **out, const char *path, struct m
 
 bool mns_atomic_write(struct atomic_file *file, const void *data, size_t size)
 {
-    if (file->error)
+    if (file->error) {
         return false;
+    }
     errno = 0;
     if (size > 0 && fwrite(data, 1, size, file->stream) != size) {
         file->error = errno ? errno : EIO;
@@ -124,10 +128,7 @@ bool mns_atomic_write(struct atomic_file *file, const void *data, size_t size)
     return true;
 }
 
-uint64_t mns_atomic_size(const struct atomic_file *file)
-{
-    return file->size;
-}
+uint64_t mns_atomic_size(const struct atomic_file *file) { return file->size; }
 
 static int replace(const char *from, const char *to)
 {
@@ -140,14 +141,17 @@ static int replace(const char *from, const char *to)
 mns_result mns_atomic_commit(struct atomic_file *file, struct mns_message *message)
 {
     errno = 0;
-    if (fclose(file->stream) != 0 && !file->error) /* buffered bytes may find the disk full only now */
+    if (fclose(file->stream) != 0 && !file->error) { /* buffered bytes may find the disk full only now */
         file->error = errno ? errno : EIO;
-    if (!file->error && !file->in_place && replace(file->temporary, file->path) != 0)
+    }
+    if (!file->error && !file->in_place && replace(file->temporary, file->path) != 0) {
         file->error = errno ? errno : EIO;
+    }
     mns_result result = MNS_OK;
     if (file->error) {
-        if (!file->in_place)
+        if (!file->in_place) {
             remove(file->temporary);
+        }
         result = fail(message, file->path, file->error);
     }
     free_file(file);
@@ -156,10 +160,12 @@ mns_result mns_atomic_commit(struct atomic_file *file, struct mns_message *messa
 
 void mns_atomic_abort(struct atomic_file *file)
 {
-    if (!file)
+    if (!file) {
         return;
+    }
     fclose(file->stream);
-    if (!file->in_place)
+    if (!file->in_place) {
         remove(file->temporary);
+    }
     free_file(file);
 }

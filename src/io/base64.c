@@ -26,11 +26,13 @@ static size_t take_group(const uint8_t **text, const uint8_t *end, uint8_t bytes
         }
         p++;
     }
-    for (size_t filled = count; count > 0 && filled < 4 && p < end && (*p == '=' || is_blank(*p)); p++)
+    for (size_t filled = count; count > 0 && filled < 4 && p < end && (*p == '=' || is_blank(*p)); p++) {
         filled += *p == '=';
+    }
     *text = p;
-    for (int i = 0; i < 3; i++)
+    for (int i = 0; i < 3; i++) {
         bytes[i] = (uint8_t)(bits >> (16 - 8 * i));
+    }
     return count > 1 ? count - 1 : 0;
 }
 
@@ -39,28 +41,33 @@ size_t mns_base64_decode(struct bytes text, size_t skip, uint8_t *out, size_t si
     const uint8_t *p = text.data, *end = text.data + text.size;
     size_t done = 0;
     while (done < size) {
-        if (skip == 0)
+        if (skip == 0) {
             for (; size - done >= 3 && end - p >= 4; p += 4, done += 3) { /* no blanks, whole groups: nearly always */
                 uint32_t a = sixes[p[0]], b = sixes[p[1]], c = sixes[p[2]], d = sixes[p[3]];
-                if (!(a & b & c & d & VALID))
+                if (!(a & b & c & d & VALID)) {
                     break;
+                }
                 uint32_t bits = (a << 18) + (b << 12) + (c << 6) + d - EXCESS;
                 out[done] = (uint8_t)(bits >> 16);
                 out[done + 1] = (uint8_t)(bits >> 8);
                 out[done + 2] = (uint8_t)bits;
             }
-        if (done == size)
+        }
+        if (done == size) {
             break;
+        }
         uint8_t bytes[3];
         size_t got = take_group(&p, end, bytes);
         for (size_t i = 0; i < got && done < size; i++) {
-            if (skip > 0)
+            if (skip > 0) {
                 skip--;
-            else
+            } else {
                 out[done++] = bytes[i];
+            }
         }
-        if (got < 3)
+        if (got < 3) {
             break;
+        }
     }
     *used = (size_t)(p - text.data);
     return done;

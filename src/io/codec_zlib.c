@@ -18,8 +18,9 @@ static void *zlib_allocate(void *user, uInt count, uInt size)
     struct read_context *context = user;
     size_t bytes = (size_t)count * size + 64;
     uint8_t *block = mns_read_alloc(context, bytes, 1);
-    if (!block)
+    if (!block) {
         return Z_NULL;
+    }
     memcpy(block, &bytes, sizeof(bytes));
     return block + 64;
 }
@@ -37,10 +38,12 @@ enum { WINDOW_RAW = -15, WINDOW_ZLIB = 15, WINDOW_GZIP = 31 };
 static mns_result start(struct read_context *context, z_stream *stream, struct bytes in, int window_bits)
 {
     *stream = (z_stream){.zalloc = zlib_allocate, .zfree = zlib_release, .opaque = context, .next_in = in.data};
-    if (inflateInit2(stream, window_bits) == Z_OK)
+    if (inflateInit2(stream, window_bits) == Z_OK) {
         return MNS_OK;
-    if (context->message->text[0] == '\0')
+    }
+    if (context->message->text[0] == '\0') {
         mns_read_fail(context, MNS_ERR_OUT_OF_MEMORY, "out of memory in zlib");
+    }
     return MNS_ERR_OUT_OF_MEMORY;
 }
 
@@ -60,24 +63,27 @@ static int inflate_into(z_stream *stream, struct bytes in, uint8_t *out, size_t 
     return status;
 }
 
-static mns_result inflate_exactly(struct read_context *context, const char *what, int window_bits, struct bytes in, void *out, size_t out_size)
+static mns_result inflate_exactly(struct read_context *context, const char *what, int window_bits, struct bytes in, void *out,
+                                  size_t out_size)
 {
     z_stream stream;
     size_t done = 0;
     mns_result result = start(context, &stream, in, window_bits);
-    if (result != MNS_OK)
+    if (result != MNS_OK) {
         return result;
+    }
     int status = inflate_into(&stream, in, out, out_size, &done);
-    if (status == Z_MEM_ERROR)
+    if (status == Z_MEM_ERROR) {
         result = mns_read_fail(context, MNS_ERR_OUT_OF_MEMORY, "out of memory in zlib");
-    else if (status == Z_STREAM_END && done != out_size)
+    } else if (status == Z_STREAM_END && done != out_size) {
         result = mns_read_fail(context, MNS_ERR_BAD_DATA, "%s data hold %zu bytes where %zu should be", what, done, out_size);
-    else if (status == Z_BUF_ERROR && done == out_size)
+    } else if (status == Z_BUF_ERROR && done == out_size) {
         result = mns_read_fail(context, MNS_ERR_BAD_DATA, "%s data hold more than the %zu bytes that should be there", what, out_size);
-    else if (status == Z_BUF_ERROR)
+    } else if (status == Z_BUF_ERROR) {
         result = mns_read_fail(context, MNS_ERR_BAD_DATA, "%s data end early, after %zu of %zu bytes", what, done, out_size);
-    else if (status != Z_STREAM_END)
+    } else if (status != Z_STREAM_END) {
         result = mns_read_fail(context, MNS_ERR_BAD_DATA, "%s data are corrupt after %zu of %zu bytes", what, done, out_size);
+    }
     inflateEnd(&stream);
     return result;
 }
@@ -102,8 +108,9 @@ static bool enlarge(struct read_context *context, struct growing *buffer)
 {
     size_t capacity = 2 * buffer->capacity;
     uint8_t *larger = mns_read_alloc(context, capacity, 1);
-    if (!larger)
+    if (!larger) {
         return false;
+    }
     memcpy(larger, buffer->data, buffer->size);
     mns_read_free(context, buffer->data, buffer->capacity, 1);
     buffer->data = larger;
@@ -124,47 +131,54 @@ mns_result mns_gunzip(struct read_context *context, struct bytes in, uint8_t **o
     z_stream stream;
     *out = NULL;
     *out_size = 0;
-    if (in.size < 18)
+    if (in.size < 18) {
         return mns_read_fail(context, MNS_ERR_BAD_DATA, "gzip data end early, in the header");
+    }
     mns_result result = start(context, &stream, in, WINDOW_GZIP);
-    if (result != MNS_OK)
+    if (result != MNS_OK) {
         return result;
+    }
     struct growing buffer = {.capacity = first_capacity(in)};
     buffer.data = mns_read_alloc(context, buffer.capacity, 1);
     result = buffer.data ? MNS_OK : MNS_ERR_OUT_OF_MEMORY;
     while (result == MNS_OK) {
         int status = inflate_into(&stream, in, buffer.data, buffer.capacity, &buffer.size);
         size_t left = in.size - (size_t)(stream.next_in - in.data);
-        if (status == Z_STREAM_END && left >= 2 && stream.next_in[0] == 0x1f && stream.next_in[1] == 0x8b)
+        if (status == Z_STREAM_END && left >= 2 && stream.next_in[0] == 0x1f && stream.next_in[1] == 0x8b) {
             inflateReset(&stream); /* another member follows */
-        else if (status == Z_STREAM_END)
+        } else if (status == Z_STREAM_END) {
             break;
-        else if (status == Z_MEM_ERROR)
+        } else if (status == Z_MEM_ERROR) {
             result = mns_read_fail(context, MNS_ERR_OUT_OF_MEMORY, "out of memory in zlib");
-        else if (status == Z_BUF_ERROR && buffer.size == buffer.capacity && mns_is_bomb(context, in.size, 2 * buffer.capacity))
-            result = mns_read_fail(context, MNS_ERR_BAD_DATA, "unpacks to more than %zu bytes from %zu, which no particles do; "
-                                   "set max_bytes if it is meant so", buffer.size, in.size);
-        else if (status == Z_BUF_ERROR && buffer.size == buffer.capacity)
+        } else if (status == Z_BUF_ERROR && buffer.size == buffer.capacity && mns_is_bomb(context, in.size, 2 * buffer.capacity)) {
+            result = mns_read_fail(context, MNS_ERR_BAD_DATA,
+                                   "unpacks to more than %zu bytes from %zu, which no particles do; "
+                                   "set max_bytes if it is meant so",
+                                   buffer.size, in.size);
+        } else if (status == Z_BUF_ERROR && buffer.size == buffer.capacity) {
             result = enlarge(context, &buffer) ? MNS_OK : MNS_ERR_OUT_OF_MEMORY;
-        else if (status == Z_BUF_ERROR)
+        } else if (status == Z_BUF_ERROR) {
             result = mns_read_fail(context, MNS_ERR_BAD_DATA, "gzip data end early, after %zu unpacked bytes", buffer.size);
-        else
+        } else {
             result = mns_read_fail(context, MNS_ERR_BAD_DATA, "gzip data are corrupt after %zu unpacked bytes", buffer.size);
+        }
     }
     inflateEnd(&stream);
     if (result == MNS_OK && buffer.size != buffer.capacity) {
         uint8_t *exact = mns_read_alloc(context, buffer.size, 1);
-        if (exact)
+        if (exact) {
             memcpy(exact, buffer.data, buffer.size);
-        else
+        } else {
             result = MNS_ERR_OUT_OF_MEMORY;
+        }
         mns_read_free(context, buffer.data, buffer.capacity, 1);
         buffer.data = exact;
     } else if (result != MNS_OK && buffer.data) {
         mns_read_free(context, buffer.data, buffer.capacity, 1);
     }
-    if (result != MNS_OK)
+    if (result != MNS_OK) {
         return result;
+    }
     *out = buffer.data;
     *out_size = buffer.size;
     return MNS_OK;

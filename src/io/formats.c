@@ -3,11 +3,14 @@
 
 /* In the order of probing; formats with a signature first, text without one last. */
 const struct mns_reader *const mns_readers[] = {
-    &mns_reader_bgeo, &mns_reader_npy, &mns_reader_npz, &mns_reader_ply, &mns_reader_vtk,
+    &mns_reader_bgeo, &mns_reader_npy,
+    &mns_reader_npz,  &mns_reader_ply,
+    &mns_reader_vtk,
 #ifdef MNS_HAVE_EXPAT
-    &mns_reader_vtu, &mns_reader_vtp, &mns_reader_pvtu, &mns_reader_pvd,
+    &mns_reader_vtu,  &mns_reader_vtp,
+    &mns_reader_pvtu, &mns_reader_pvd,
 #endif
-    &mns_reader_csv, NULL,
+    &mns_reader_csv,  NULL,
 };
 
 const struct mns_reader *const mns_missing_readers[] = {
@@ -42,7 +45,4 @@ const char *mns_read_format(size_t index)
     return index < count && mns_readers[index] ? mns_readers[index]->name : NULL;
 }
 
-const char *mns_missing_feature(size_t index)
-{
-    return index < sizeof(missing) / sizeof(missing[0]) ? missing[index] : NULL;
-}
+const char *mns_missing_feature(size_t index) { return index < sizeof(missing) / sizeof(missing[0]) ? missing[index] : NULL; }

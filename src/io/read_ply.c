@@ -12,9 +12,9 @@ struct property {
     bool list;
     enum mns_type count_type; /* of a list */
     enum mns_type type;
-    size_t offset;            /* bytes, in a record without lists */
-    uint8_t *out;             /* NULL: not kept */
-    size_t stride;            /* bytes from one vertex to the next in out */
+    size_t offset; /* bytes, in a record without lists */
+    uint8_t *out;  /* NULL: not kept */
+    size_t stride; /* bytes from one vertex to the next in out */
 };
 
 struct element {
@@ -44,24 +44,24 @@ static int probe(struct bytes head)
 static struct bytes take_word(struct bytes *line)
 {
     size_t start = 0, stop;
-    while (start < line->size && (line->data[start] == ' ' || line->data[start] == '\t' || line->data[start] == '\r'))
+    while (start < line->size && (line->data[start] == ' ' || line->data[start] == '\t' || line->data[start] == '\r')) {
         start++;
-    for (stop = start; stop < line->size && line->data[stop] != ' ' && line->data[stop] != '\t' && line->data[stop] != '\r';)
+    }
+    for (stop = start; stop < line->size && line->data[stop] != ' ' && line->data[stop] != '\t' && line->data[stop] != '\r';) {
         stop++;
+    }
     struct bytes word = {line->data + start, stop - start};
     *line = (struct bytes){line->data + stop, line->size - stop};
     return word;
 }
 
-static bool is_word(struct bytes word, const char *text)
-{
-    return word.size == strlen(text) && memcmp(word.data, text, word.size) == 0;
-}
+static bool is_word(struct bytes word, const char *text) { return word.size == strlen(text) && memcmp(word.data, text, word.size) == 0; }
 
 static bool copy_name(char out[NAME_LENGTH], struct bytes word)
 {
-    if (word.size == 0 || word.size >= NAME_LENGTH)
+    if (word.size == 0 || word.size >= NAME_LENGTH) {
         return false;
+    }
     memcpy(out, word.data, word.size);
     out[word.size] = '\0';
     return true;
@@ -72,9 +72,10 @@ static bool parse_type(struct bytes word, enum mns_type *out)
     static const struct {
         const char *name;
         enum mns_type type;
-    } types[] = {{"float", MNS_F32},   {"float32", MNS_F32}, {"double", MNS_F64}, {"float64", MNS_F64}, {"char", MNS_I8},    {"int8", MNS_I8},
-                 {"uchar", MNS_U8},    {"uint8", MNS_U8},    {"short", MNS_I16},  {"int16", MNS_I16},   {"ushort", MNS_U16}, {"uint16", MNS_U16},
-                 {"int", MNS_I32},     {"int32", MNS_I32},   {"uint", MNS_U32},   {"uint32", MNS_U32},  {"int64", MNS_I64},  {"uint64", MNS_U64}};
+    } types[] = {{"float", MNS_F32},  {"float32", MNS_F32}, {"double", MNS_F64}, {"float64", MNS_F64}, {"char", MNS_I8},
+                 {"int8", MNS_I8},    {"uchar", MNS_U8},    {"uint8", MNS_U8},   {"short", MNS_I16},   {"int16", MNS_I16},
+                 {"ushort", MNS_U16}, {"uint16", MNS_U16},  {"int", MNS_I32},    {"int32", MNS_I32},   {"uint", MNS_U32},
+                 {"uint32", MNS_U32}, {"int64", MNS_I64},   {"uint64", MNS_U64}};
     for (size_t i = 0; i < sizeof(types) / sizeof(types[0]); i++) {
         if (is_word(word, types[i].name)) {
             *out = types[i].type;
@@ -87,29 +88,32 @@ static bool parse_type(struct bytes word, enum mns_type *out)
 static bool parse_format(struct ply *ply, struct bytes line)
 {
     struct bytes word = take_word(&line);
-    if (is_word(word, "ascii"))
+    if (is_word(word, "ascii")) {
         ply->encoding = ENCODING_ASCII;
-    else if (is_word(word, "binary_little_endian"))
+    } else if (is_word(word, "binary_little_endian")) {
         ply->encoding = ENCODING_LITTLE;
-    else if (is_word(word, "binary_big_endian"))
+    } else if (is_word(word, "binary_big_endian")) {
         ply->encoding = ENCODING_BIG;
-    else
+    } else {
         return false;
+    }
     return true;
 }
 
 static bool parse_element(struct ply *ply, struct bytes line)
 {
-    if (ply->element_count == ELEMENT_MAX)
+    if (ply->element_count == ELEMENT_MAX) {
         return false;
+    }
     struct element *element = &ply->elements[ply->element_count];
     *element = (struct element){.first = ply->property_count};
     bool named = copy_name(element->name, take_word(&line));
     struct bytes word = take_word(&line);
     const char *end = (const char *)word.data + word.size;
     int64_t count;
-    if (!named || mns_parse_int64((const char *)word.data, end, &count) != end || count < 0 || (uint64_t)count > SIZE_MAX / 16)
+    if (!named || mns_parse_int64((const char *)word.data, end, &count) != end || count < 0 || (uint64_t)count > SIZE_MAX / 16) {
         return false;
+    }
     element->count = (size_t)count;
     ply->element_count++;
     return true;
@@ -117,20 +121,23 @@ static bool parse_element(struct ply *ply, struct bytes line)
 
 static bool parse_property(struct ply *ply, struct bytes line)
 {
-    if (ply->element_count == 0 || ply->property_count == PROPERTY_MAX)
+    if (ply->element_count == 0 || ply->property_count == PROPERTY_MAX) {
         return false;
+    }
     struct element *element = &ply->elements[ply->element_count - 1];
     struct property *property = &ply->properties[ply->property_count];
     *property = (struct property){.offset = element->record};
     struct bytes word = take_word(&line);
     if (is_word(word, "list")) {
         property->list = true;
-        if (!parse_type(take_word(&line), &property->count_type) || property->count_type == MNS_F32 || property->count_type == MNS_F64)
+        if (!parse_type(take_word(&line), &property->count_type) || property->count_type == MNS_F32 || property->count_type == MNS_F64) {
             return false;
+        }
         word = take_word(&line);
     }
-    if (!parse_type(word, &property->type) || !copy_name(property->name, take_word(&line)))
+    if (!parse_type(word, &property->type) || !copy_name(property->name, take_word(&line))) {
         return false;
+    }
     element->record += mns_type_size(property->list ? property->count_type : property->type);
     element->lists |= property->list;
     element->properties++;
@@ -148,24 +155,29 @@ static mns_result read_header(struct ply *ply, struct cursor *cursor)
         struct bytes whole = line, word = take_word(&line);
         bool good = true;
         number++;
-        if (is_word(word, "end_header"))
+        if (is_word(word, "end_header")) {
             break;
-        if (is_word(word, "format"))
+        }
+        if (is_word(word, "format")) {
             good = has_format = parse_format(ply, line);
-        else if (is_word(word, "element"))
+        } else if (is_word(word, "element")) {
             good = parse_element(ply, line);
-        else if (is_word(word, "property"))
+        } else if (is_word(word, "property")) {
             good = parse_property(ply, line);
-        else
+        } else {
             good = is_word(word, "comment") || is_word(word, "obj_info") || word.size == 0;
-        if (!good)
+        }
+        if (!good) {
             return mns_read_fail(ply->context, MNS_ERR_BAD_DATA, "line %zu of the PLY header cannot be understood: '%.*s'", number,
                                  whole.size < 60 ? (int)whole.size : 60, (const char *)whole.data);
-        if (mns_left(cursor) == 0)
+        }
+        if (mns_left(cursor) == 0) {
             return mns_read_fail(ply->context, MNS_ERR_BAD_DATA, "ends in the PLY header: 'end_header' is missing");
+        }
     }
-    if (!has_format)
+    if (!has_format) {
         return mns_read_fail(ply->context, MNS_ERR_BAD_DATA, "the PLY header has no 'format' line before 'end_header'");
+    }
     return MNS_OK;
 }
 
@@ -202,10 +214,10 @@ static double load_number(const uint8_t *p, enum mns_type type, bool big_endian)
 }
 
 /* What is out of the type's range becomes its nearest end; NaN 0. */
-#define STORE_AS(type, lowest, highest)                                                                                   \
-    do {                                                                                                                  \
-        type v = value >= (double)(highest) ? (highest) : value > (double)(lowest) ? (type)value : value == value ? (lowest) : 0; \
-        memcpy(out, &v, sizeof(v));                                                                                       \
+#define STORE_AS(type, lowest, highest)                                                                                                    \
+    do {                                                                                                                                   \
+        type v = value >= (double)(highest) ? (highest) : value > (double)(lowest) ? (type)value : value == value ? (lowest) : 0;          \
+        memcpy(out, &v, sizeof(v));                                                                                                        \
     } while (0)
 
 static void store_number(uint8_t *out, enum mns_type type, double value)
@@ -227,7 +239,8 @@ static void store_number(uint8_t *out, enum mns_type type, double value)
 
 static mns_result ends_early(const struct ply *ply, const struct element *element, size_t at)
 {
-    return mns_read_fail(ply->context, MNS_ERR_BAD_DATA, "ends early: %zu of %zu '%s' elements are there", at, element->count, element->name);
+    return mns_read_fail(ply->context, MNS_ERR_BAD_DATA, "ends early: %zu of %zu '%s' elements are there", at, element->count,
+                         element->name);
 }
 
 /* Walks one binary element with lists record by record, keeping what has a place to go. */
@@ -239,12 +252,14 @@ static mns_result read_lists(const struct ply *ply, struct cursor *cursor, const
             const struct property *property = &ply->properties[element->first + k];
             const uint8_t *p;
             size_t size = mns_type_size(property->type);
-            if (!mns_take(cursor, property->list ? mns_type_size(property->count_type) : size, &p))
+            if (!mns_take(cursor, property->list ? mns_type_size(property->count_type) : size, &p)) {
                 return ends_early(ply, element, i);
+            }
             if (property->list) {
                 double count = load_number(p, property->count_type, big);
-                if (count < 0.0 || count > (double)(mns_left(cursor) / size) || !mns_take(cursor, (size_t)count * size, &p))
+                if (count < 0.0 || count > (double)(mns_left(cursor) / size) || !mns_take(cursor, (size_t)count * size, &p)) {
                     return ends_early(ply, element, i);
+                }
             } else if (property->out) {
                 mns_copy_elements(property->out + i * property->stride, p, 1, property->type, big);
             }
@@ -256,9 +271,11 @@ static mns_result read_lists(const struct ply *ply, struct cursor *cursor, const
 /* in, out: elements of one size, in_stride and out_stride bytes apart. Inlined once per size. */
 static inline void copy_strided(uint8_t *out, size_t out_stride, const uint8_t *in, size_t in_stride, size_t count, size_t size, bool swap)
 {
-    for (size_t i = 0; i < count; i++, out += out_stride, in += in_stride)
-        for (size_t b = 0; b < size; b++)
+    for (size_t i = 0; i < count; i++, out += out_stride, in += in_stride) {
+        for (size_t b = 0; b < size; b++) {
             out[b] = in[swap ? size - 1 - b : b];
+        }
+    }
 }
 
 static void copy_property(const struct property *property, size_t start, const uint8_t *in, size_t record, size_t count, bool swap)
@@ -280,17 +297,20 @@ static mns_result read_binary(const struct ply *ply, struct cursor *cursor, cons
 {
     const uint8_t *records;
     bool swap = (ply->encoding == ENCODING_BIG) != mns_big_endian();
-    if (element->lists)
+    if (element->lists) {
         return read_lists(ply, cursor, element);
-    if (element->record != 0 && element->count > mns_left(cursor) / element->record)
+    }
+    if (element->record != 0 && element->count > mns_left(cursor) / element->record) {
         return ends_early(ply, element, mns_left(cursor) / element->record);
+    }
     mns_take(cursor, element->count * element->record, &records);
     for (size_t start = 0; start < element->count && element->record != 0; start += BLOCK) {
         size_t count = element->count - start < BLOCK ? element->count - start : BLOCK;
         for (size_t k = 0; k < element->properties; k++) {
             const struct property *property = &ply->properties[element->first + k];
-            if (property->out)
+            if (property->out) {
                 copy_property(property, start, records + start * element->record + property->offset, element->record, count, swap);
+            }
         }
     }
     return MNS_OK;
@@ -298,23 +318,28 @@ static mns_result read_binary(const struct ply *ply, struct cursor *cursor, cons
 
 static const char *skip_space(const char *p, const char *end)
 {
-    while (p < end && (*p == ' ' || *p == '\n' || *p == '\r' || *p == '\t'))
+    while (p < end && (*p == ' ' || *p == '\n' || *p == '\r' || *p == '\t')) {
         p++;
+    }
     return p;
 }
 
 static mns_result take_number(const struct ply *ply, const char **at, const char *end, const struct element *element, size_t i, double *out)
 {
     const char *start = skip_space(*at, end);
-    if (start == end)
+    if (start == end) {
         return ends_early(ply, element, i);
+    }
     *at = mns_parse_double(start, end, out);
-    if (*at)
+    if (*at) {
         return MNS_OK;
+    }
     int length = 0;
-    while (start + length < end && length < 30 && (unsigned char)start[length] > ' ')
+    while (start + length < end && length < 30 && (unsigned char)start[length] > ' ') {
         length++;
-    return mns_read_fail(ply->context, MNS_ERR_BAD_DATA, "'%s' element %zu (from 0) has '%.*s' where a number should be", element->name, i, length, start);
+    }
+    return mns_read_fail(ply->context, MNS_ERR_BAD_DATA, "'%s' element %zu (from 0) has '%.*s' where a number should be", element->name, i,
+                         length, start);
 }
 
 static mns_result read_ascii(const struct ply *ply, struct cursor *cursor, const struct element *element)
@@ -325,12 +350,15 @@ static mns_result read_ascii(const struct ply *ply, struct cursor *cursor, const
             const struct property *property = &ply->properties[element->first + k];
             double value, item;
             mns_result result = take_number(ply, &p, end, element, i, &value);
-            for (double left = value; result == MNS_OK && property->list && left >= 1.0; left -= 1.0)
+            for (double left = value; result == MNS_OK && property->list && left >= 1.0; left -= 1.0) {
                 result = take_number(ply, &p, end, element, i, &item);
-            if (result != MNS_OK)
+            }
+            if (result != MNS_OK) {
                 return result;
-            if (property->out)
+            }
+            if (property->out) {
                 store_number(property->out + i * property->stride, property->type, value);
+            }
         }
     }
     cursor->at = (size_t)((const uint8_t *)p - cursor->bytes.data);
@@ -343,8 +371,9 @@ static struct property *find_property(struct ply *ply, const struct element *ele
 {
     for (size_t k = 0; k < element->properties; k++) {
         struct property *property = &ply->properties[element->first + k];
-        if (!property->list && strcmp(property->name, name) == 0)
+        if (!property->list && strcmp(property->name, name) == 0) {
             return property;
+        }
     }
     return NULL;
 }
@@ -352,30 +381,36 @@ static struct property *find_property(struct ply *ply, const struct element *ele
 static mns_result add_attributes(struct ply *ply, const struct element *vertex)
 {
     struct property *const axes[3] = {find_property(ply, vertex, "x"), find_property(ply, vertex, "y"), find_property(ply, vertex, "z")};
-    if (!axes[0] || !axes[1] || !axes[2])
+    if (!axes[0] || !axes[1] || !axes[2]) {
         return mns_read_fail(ply->context, MNS_ERR_BAD_DATA, "has no positions: the vertices have no x, y and z");
+    }
     enum mns_type type = axes[0]->type;
-    if (axes[1]->type != type || axes[2]->type != type || (type != MNS_F32 && type != MNS_F64))
+    if (axes[1]->type != type || axes[2]->type != type || (type != MNS_F32 && type != MNS_F64)) {
         return mns_read_fail(ply->context, MNS_ERR_UNSUPPORTED, "has positions of %s, %s, %s; all float or all double are read",
                              mns_type_name(type), mns_type_name(axes[1]->type), mns_type_name(axes[2]->type));
+    }
     mns_result result = mns_set_begin(ply->context, vertex->count);
-    if (result != MNS_OK)
+    if (result != MNS_OK) {
         return result;
+    }
     uint8_t *position = mns_set_add(ply->context, "position", type, 3);
-    if (!position)
+    if (!position) {
         return MNS_ERR_OUT_OF_MEMORY;
+    }
     for (size_t i = 0; i < 3; i++) {
         axes[i]->out = position + i * mns_type_size(type);
         axes[i]->stride = 3 * mns_type_size(type);
     }
     for (size_t k = 0; k < vertex->properties; k++) {
         struct property *property = &ply->properties[vertex->first + k];
-        if (property->list || property->out)
+        if (property->list || property->out) {
             continue;
+        }
         property->stride = mns_type_size(property->type);
         property->out = mns_set_add(ply->context, property->name, property->type, 1);
-        if (!property->out)
+        if (!property->out) {
             return MNS_ERR_OUT_OF_MEMORY;
+        }
     }
     return MNS_OK;
 }
@@ -387,15 +422,19 @@ static mns_result read_elements(struct ply *ply, struct cursor *cursor)
         bool vertex = strcmp(element->name, "vertex") == 0;
         /* Every property of an element takes at least its size, or a digit and a space. */
         size_t least = ply->encoding == ENCODING_ASCII ? 2 * element->properties : element->record;
-        if (least > 0 && element->count > (mns_left(cursor) + 1) / least)
+        if (least > 0 && element->count > (mns_left(cursor) + 1) / least) {
             return ends_early(ply, element, mns_left(cursor) / least);
-        if (least == 0 && element->count > 0 && vertex)
+        }
+        if (least == 0 && element->count > 0 && vertex) {
             return mns_read_fail(ply->context, MNS_ERR_BAD_DATA, "has no positions: the vertices have no properties");
+        }
         mns_result result = vertex ? add_attributes(ply, element) : MNS_OK;
-        if (result == MNS_OK && least > 0)
+        if (result == MNS_OK && least > 0) {
             result = ply->encoding == ENCODING_ASCII ? read_ascii(ply, cursor, element) : read_binary(ply, cursor, element);
-        if (result != MNS_OK || vertex)
+        }
+        if (result != MNS_OK || vertex) {
             return result; /* what stands behind the vertices is nothing to us */
+        }
     }
     return mns_read_fail(ply->context, MNS_ERR_BAD_DATA, "has no positions: the PLY header names no element 'vertex'");
 }
@@ -403,16 +442,19 @@ static mns_result read_elements(struct ply *ply, struct cursor *cursor)
 static mns_result read_ply(struct read_context *context, struct bytes file)
 {
     struct cursor cursor = {file, 0};
-    if (probe(file) == 0)
+    if (probe(file) == 0) {
         return mns_read_fail(context, MNS_ERR_BAD_DATA, "is no PLY file: it does not begin with 'ply'");
+    }
     struct ply *ply = mns_read_alloc(context, 1, sizeof(*ply));
-    if (!ply)
+    if (!ply) {
         return MNS_ERR_OUT_OF_MEMORY;
+    }
     ply->context = context;
     ply->element_count = ply->property_count = 0;
     mns_result result = read_header(ply, &cursor);
-    if (result == MNS_OK)
+    if (result == MNS_OK) {
         result = read_elements(ply, &cursor);
+    }
     mns_read_free(context, ply, 1, sizeof(*ply));
     return result;
 }

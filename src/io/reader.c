@@ -1,6 +1,6 @@
 /* reader.c: from a path or bytes to a finished particle set: loads, unpacks gzip, finds the format, runs its reader, applies roles, `where`. */
 #ifndef _WIN32
-#define _POSIX_C_SOURCE 200809L
+#define _POSIX_C_SOURCE   200809L
 #define _FILE_OFFSET_BITS 64
 #endif
 
@@ -24,18 +24,17 @@
 
 enum { HEAD_MAX = 65536, NEST_MAX = 4 };
 
-static const char *path_of(const struct read_context *context)
-{
-    return context->path ? context->path : "(memory)";
-}
+static const char *path_of(const struct read_context *context) { return context->path ? context->path : "(memory)"; }
 
 /* Messages are one line, whatever a file has for names. */
 static void print_line(char *text, size_t size, const char *format, va_list arguments)
 {
     vsnprintf(text, size, format, arguments);
-    for (char *p = text; *p; p++)
-        if ((unsigned char)*p < 32 || *p == 127)
+    for (char *p = text; *p; p++) {
+        if ((unsigned char)*p < 32 || *p == 127) {
             *p = '?';
+        }
+    }
 }
 
 mns_result mns_read_fail(struct read_context *context, mns_result code, const char *format, ...)
@@ -52,8 +51,9 @@ mns_result mns_read_fail(struct read_context *context, mns_result code, const ch
 void mns_read_warn(struct read_context *context, const char *format, ...)
 {
     const struct mns_log *log = &context->params->log;
-    if (!log->message)
+    if (!log->message) {
         return;
+    }
     struct mns_message line;
     char text[sizeof(line.text)];
     va_list arguments;
@@ -79,8 +79,9 @@ void *mns_read_alloc(struct read_context *context, size_t count, size_t size)
         return NULL;
     }
     void *block = mns_memory_get(memory, bytes, 1);
-    if (!block)
+    if (!block) {
         mns_read_fail(context, MNS_ERR_OUT_OF_MEMORY, "out of memory: %zu bytes were wanted", bytes);
+    }
     return block;
 }
 
@@ -98,25 +99,29 @@ static mns_result read_stream(struct read_context *context, FILE *file, struct b
     uint8_t *data = mns_read_alloc(context, capacity, 1);
     while (data) {
         size += fread(data + size, 1, capacity - size, file);
-        if (size < capacity)
+        if (size < capacity) {
             break;
+        }
         uint8_t *larger = mns_read_alloc(context, 2 * capacity, 1);
-        if (larger)
+        if (larger) {
             memcpy(larger, data, size);
+        }
         mns_read_free(context, data, capacity, 1);
         data = larger;
         capacity *= 2;
     }
-    if (!data)
+    if (!data) {
         return MNS_ERR_OUT_OF_MEMORY;
+    }
     uint8_t *exact = NULL;
     mns_result result = MNS_OK;
-    if (ferror(file))
+    if (ferror(file)) {
         result = mns_read_fail(context, MNS_ERR_IO, "cannot be read: %s", strerror(errno));
-    else if (!(exact = mns_read_alloc(context, size, 1)))
+    } else if (!(exact = mns_read_alloc(context, size, 1))) {
         result = MNS_ERR_OUT_OF_MEMORY;
-    else
+    } else {
         memcpy(exact, data, size);
+    }
     mns_read_free(context, data, capacity, 1);
     *out = (struct bytes){exact, size};
     return result;
@@ -125,16 +130,18 @@ static mns_result read_stream(struct read_context *context, FILE *file, struct b
 static mns_result read_sized(struct read_context *context, FILE *file, size_t size, struct bytes *out)
 {
     uint8_t *data = mns_read_alloc(context, size, 1);
-    if (!data)
+    if (!data) {
         return MNS_ERR_OUT_OF_MEMORY;
+    }
     size_t got = fread(data, 1, size, file);
     if (got == size) {
         *out = (struct bytes){data, size};
         return MNS_OK;
     }
     mns_read_free(context, data, size, 1);
-    if (ferror(file))
+    if (ferror(file)) {
         return mns_read_fail(context, MNS_ERR_IO, "cannot be read: %s", strerror(errno));
+    }
     return mns_read_fail(context, MNS_ERR_IO, "became shorter while it was read: %zu bytes of %zu", got, size);
 }
 
@@ -153,8 +160,9 @@ mns_result mns_read_file(struct read_context *context, const char *path, struct 
 {
     *out = (struct bytes){NULL, 0};
     FILE *file = fopen(path, "rb");
-    if (!file)
+    if (!file) {
         return mns_read_fail(context, MNS_ERR_IO, "cannot be opened: %s", strerror(errno));
+    }
     mns_result result;
     long long size = -1;
     setvbuf(file, NULL, _IONBF, 0); /* one large read into place */
@@ -166,12 +174,13 @@ mns_result mns_read_file(struct read_context *context, const char *path, struct 
         size = (long long)file_tell(file);
         file_seek(file, 0, SEEK_SET);
     }
-    if (size > 0 && (unsigned long long)size > SIZE_MAX / 2)
+    if (size > 0 && (unsigned long long)size > SIZE_MAX / 2) {
         result = mns_read_fail(context, MNS_ERR_IO, "is too large for this machine: %lld bytes", size);
-    else if (size > 0)
+    } else if (size > 0) {
         result = read_sized(context, file, (size_t)size, out);
-    else
+    } else {
         result = read_stream(context, file, out);
+    }
 done:
     fclose(file);
     return result;
@@ -179,16 +188,15 @@ done:
 
 /* ---- finding the format ---- */
 
-static char lower(char c)
-{
-    return c >= 'A' && c <= 'Z' ? (char)(c - 'A' + 'a') : c;
-}
+static char lower(char c) { return c >= 'A' && c <= 'Z' ? (char)(c - 'A' + 'a') : c; }
 
 static bool equal_nocase(const char *a, const char *b, size_t length)
 {
-    for (size_t i = 0; i < length; i++)
-        if (lower(a[i]) != lower(b[i]))
+    for (size_t i = 0; i < length; i++) {
+        if (lower(a[i]) != lower(b[i])) {
             return false;
+        }
+    }
     return true;
 }
 
@@ -196,12 +204,14 @@ static bool equal_nocase(const char *a, const char *b, size_t length)
 static bool has_extension(const char *path, const char *extensions)
 {
     size_t length = path ? strlen(path) : 0;
-    if (length > 3 && equal_nocase(path + length - 3, ".gz", 3))
+    if (length > 3 && equal_nocase(path + length - 3, ".gz", 3)) {
         length -= 3;
+    }
     for (const char *e = extensions; *e;) {
         size_t n = strcspn(e, " ");
-        if (length > n && path[length - n - 1] == '.' && equal_nocase(path + length - n, e, n))
+        if (length > n && path[length - n - 1] == '.' && equal_nocase(path + length - n, e, n)) {
             return true;
+        }
         e += n;
         e += strspn(e, " ");
     }
@@ -226,35 +236,46 @@ static const struct mns_reader *find_reader(struct read_context *context, struct
     for (size_t i = 0; mns_readers[i]; i++) {
         const struct mns_reader *reader = mns_readers[i];
         if (wanted) {
-            if (strcmp(wanted, reader->name) == 0)
+            if (strcmp(wanted, reader->name) == 0) {
                 return reader;
+            }
             continue;
         }
         int sure = reader->probe(head);
-        if (sure == 2)
+        if (sure == 2) {
             return reader;
+        }
         bool extension = has_extension(context->path, reader->extensions);
-        if (extension && !named)
+        if (extension && !named) {
             named = reader;
-        if (sure == 1 && !perhaps)
+        }
+        if (sure == 1 && !perhaps) {
             perhaps = reader;
-        if (sure == 1 && extension && !named_perhaps)
+        }
+        if (sure == 1 && extension && !named_perhaps) {
             named_perhaps = reader;
+        }
     }
-    for (size_t i = 0; mns_missing_readers[i] && !wanted; i++)
-        if (mns_missing_readers[i]->probe(head) == 2)
+    for (size_t i = 0; mns_missing_readers[i] && !wanted; i++) {
+        if (mns_missing_readers[i]->probe(head) == 2) {
             return mns_missing_readers[i];
-    if (named_perhaps || (perhaps && !named))
+        }
+    }
+    if (named_perhaps || (perhaps && !named)) {
         return named_perhaps ? named_perhaps : perhaps;
+    }
     char formats[256];
     list_formats(formats, sizeof(formats));
-    if (wanted)
+    if (wanted) {
         mns_read_fail(context, MNS_ERR_UNSUPPORTED, "cannot be read as '%s': this build reads %s", wanted, formats);
-    else if (named)
-        mns_read_fail(context, MNS_ERR_BAD_DATA, "is no %s file, though its name says so: its first bytes are of no format that this build "
-                      "reads (%s)", named->name, formats);
-    else
+    } else if (named) {
+        mns_read_fail(context, MNS_ERR_BAD_DATA,
+                      "is no %s file, though its name says so: its first bytes are of no format that this build "
+                      "reads (%s)",
+                      named->name, formats);
+    } else {
         mns_read_fail(context, MNS_ERR_BAD_DATA, "is of no format that this build reads (%s)", formats);
+    }
     return NULL;
 }
 
@@ -274,10 +295,12 @@ static mns_result read_bytes(struct read_context *context, struct bytes file)
         uint8_t *unpacked;
         size_t size;
         result = mns_gunzip(context, file, &unpacked, &size);
-        if (result != MNS_OK)
+        if (result != MNS_OK) {
             goto done;
-        if (context->file_is_ours)
+        }
+        if (context->file_is_ours) {
             mns_read_free(context, (void *)(uintptr_t)file.data, file.size, 1);
+        }
         file = (struct bytes){unpacked, size};
         context->file_is_ours = true;
     }
@@ -286,67 +309,74 @@ static mns_result read_bytes(struct read_context *context, struct bytes file)
         result = context->params->format && context->depth == 0 ? MNS_ERR_UNSUPPORTED : MNS_ERR_BAD_DATA;
         goto done;
     }
-    if (!context->set->format)
+    if (!context->set->format) {
         context->set->format = reader->name;
+    }
     result = reader->read(context, file);
 done:
-    if (context->file_stays && mns_set_keep_file(context, file))
+    if (context->file_stays && mns_set_keep_file(context, file)) {
         return result;
-    if (context->file_stays && result == MNS_OK)
+    }
+    if (context->file_stays && result == MNS_OK) {
         result = mns_read_fail(context, MNS_ERR_OUT_OF_MEMORY, "out of memory");
-    if (context->file_is_ours)
+    }
+    if (context->file_is_ours) {
         mns_read_free(context, (void *)(uintptr_t)file.data, file.size, 1);
+    }
     return result;
 }
 
 char *mns_read_beside(struct read_context *context, const char *reference)
 {
     size_t folder = 0;
-    if (reference[0] != '/')
-        for (size_t i = 0; context->path && context->path[i]; i++)
-            if (context->path[i] == '/')
+    if (reference[0] != '/') {
+        for (size_t i = 0; context->path && context->path[i]; i++) {
+            if (context->path[i] == '/') {
                 folder = i + 1;
+            }
+        }
+    }
     size_t size = folder + strlen(reference) + 1;
     char *path = mns_read_alloc(context, size, 1);
-    if (!path)
+    if (!path) {
         return NULL;
-    if (folder > 0)
+    }
+    if (folder > 0) {
         memcpy(path, context->path, folder);
+    }
     memcpy(path + folder, reference, size - folder);
     return path;
 }
 
 mns_result mns_read_referenced(struct read_context *context, const char *reference)
 {
-    if (!context->may_open)
+    if (!context->may_open) {
         return mns_read_fail(context, MNS_ERR_UNSUPPORTED, "names another file (%s), which reading from memory does not open", reference);
-    if (context->depth >= NEST_MAX)
+    }
+    if (context->depth >= NEST_MAX) {
         return mns_read_fail(context, MNS_ERR_BAD_DATA, "is nested more than %d files deep", (int)NEST_MAX);
+    }
     char *path = mns_read_beside(context, reference);
-    if (!path)
+    if (!path) {
         return MNS_ERR_OUT_OF_MEMORY;
+    }
     struct read_context inner = *context;
     inner.path = path;
     inner.depth = context->depth + 1;
     inner.file_is_ours = true;
     struct bytes file;
     mns_result result = mns_read_file(&inner, path, &file);
-    if (result == MNS_OK)
+    if (result == MNS_OK) {
         result = read_bytes(&inner, file);
+    }
     mns_read_free(context, path, strlen(path) + 1, 1);
     return result;
 }
 
 /* Whether a value is NaN or infinite: all bits of its exponent are set. */
-static inline bool is_odd32(uint32_t bits)
-{
-    return (bits & 0x7f800000u) == 0x7f800000u;
-}
+static inline bool is_odd32(uint32_t bits) { return (bits & 0x7f800000u) == 0x7f800000u; }
 
-static inline bool is_odd64(uint64_t bits)
-{
-    return (bits & 0x7ff0000000000000u) == 0x7ff0000000000000u;
-}
+static inline bool is_odd64(uint64_t bits) { return (bits & 0x7ff0000000000000u) == 0x7ff0000000000000u; }
 
 static inline uint32_t bits32(const uint8_t *p)
 {
@@ -365,12 +395,15 @@ static inline uint64_t bits64(const uint8_t *p)
 static bool all_finite(const uint8_t *values, size_t count, enum mns_type type)
 {
     unsigned odd = 0;
-    if (type == MNS_F32)
-        for (size_t i = 0; i < count; i++)
+    if (type == MNS_F32) {
+        for (size_t i = 0; i < count; i++) {
             odd |= is_odd32(bits32(values + 4 * i));
-    else
-        for (size_t i = 0; i < count; i++)
+        }
+    } else {
+        for (size_t i = 0; i < count; i++) {
             odd |= is_odd64(bits64(values + 8 * i));
+        }
+    }
     return odd == 0;
 }
 
@@ -379,8 +412,9 @@ static size_t clear_not_finite(const uint8_t *position, size_t count, enum mns_t
 {
     size_t dropped = 0, bytes = 3 * mns_type_size(type);
     for (size_t i = 0; i < count; i++) {
-        if (!keep[i])
+        if (!keep[i]) {
             continue;
+        }
         keep[i] = all_finite(position + i * bytes, 3, type);
         dropped += !keep[i];
     }
@@ -389,9 +423,11 @@ static size_t clear_not_finite(const uint8_t *position, size_t count, enum mns_t
 
 static const struct attribute *find_role(const mns_particle_set *set, enum mns_role role)
 {
-    for (size_t i = 0; i < set->listed_count; i++)
-        if (set->attributes[i].is.role == role)
+    for (size_t i = 0; i < set->listed_count; i++) {
+        if (set->attributes[i].is.role == role) {
             return &set->attributes[i];
+        }
+    }
     return NULL;
 }
 
@@ -403,19 +439,24 @@ static mns_result select_particles(struct read_context *context)
     size_t count = set->count;
     const struct attribute *position = find_role(set, MNS_ROLE_POSITION);
     bool finite = !position || all_finite(position->data, 3 * count, position->is.type);
-    if (finite && !where)
+    if (finite && !where) {
         return MNS_OK;
+    }
     uint8_t *keep = mns_read_alloc(context, count, 1);
-    if (!keep)
+    if (!keep) {
         return MNS_ERR_OUT_OF_MEMORY;
+    }
     memset(keep, 1, count);
     mns_result result = where ? mns_where(context, where, keep) : MNS_OK;
-    if (result == MNS_OK && !finite)
+    if (result == MNS_OK && !finite) {
         set->dropped = clear_not_finite(position->data, count, position->is.type, keep);
-    if (result == MNS_OK && set->dropped > 0)
+    }
+    if (result == MNS_OK && set->dropped > 0) {
         mns_read_warn(context, "dropped %zu of %zu particles, whose position is NaN or infinite", set->dropped, count);
-    if (result == MNS_OK)
+    }
+    if (result == MNS_OK) {
         mns_set_compact(set, keep);
+    }
     mns_read_free(context, keep, count, 1);
     return result;
 }
@@ -431,10 +472,12 @@ static mns_result finish(struct read_context *context)
         mns_set_list(set, names, sizeof(names));
         result = mns_read_fail(context, MNS_ERR_BAD_DATA, "has no positions; it has %s", names);
     }
-    if (result == MNS_OK)
+    if (result == MNS_OK) {
         result = select_particles(context);
-    if (result == MNS_OK)
+    }
+    if (result == MNS_OK) {
         result = mns_roles_views(context);
+    }
     return result;
 }
 
@@ -456,54 +499,66 @@ static mns_result read_set(mns_particle_set **out, const char *path, const struc
     struct mns_message unread;
     struct mns_read_params params = complete(given);
     struct memory memory;
-    if (!message)
+    if (!message) {
         message = &unread;
+    }
     message->text[0] = '\0';
     mns_memory_init(&memory, &params.allocator);
     mns_particle_set *set = mns_memory_get(&memory, 1, sizeof(*set));
-    if (!set)
+    if (!set) {
         return mns_fail(message, MNS_ERR_OUT_OF_MEMORY, "%s: out of memory", name ? name : "(memory)");
+    }
     *set = (mns_particle_set){.memory = memory};
     mns_particles_init(&set->particles);
 
-    struct read_context context = {.path = name, .may_open = path != NULL, .params = &params, .message = message, .set = set,
-                                   .file_is_ours = path != NULL};
+    struct read_context context = {
+        .path = name, .may_open = path != NULL, .params = &params, .message = message, .set = set, .file_is_ours = path != NULL};
     struct bytes file = {NULL, 0};
     mns_result result = MNS_OK;
-    if (path)
+    if (path) {
         result = mns_read_file(&context, path, &file);
-    else
+    } else {
         file = *bytes;
-    if (result == MNS_OK)
+    }
+    if (result == MNS_OK) {
         result = read_bytes(&context, file);
-    if (result == MNS_OK)
+    }
+    if (result == MNS_OK) {
         result = finish(&context);
-    if (result != MNS_OK && set->fault != MNS_OK)
+    }
+    if (result != MNS_OK && set->fault != MNS_OK) {
         result = set->fault; /* a reader that got NULL from mns_set_add cannot know why: the message does */
-    if (result != MNS_OK)
+    }
+    if (result != MNS_OK) {
         mns_particle_set_destroy(&set);
+    }
     *out = set;
     return result;
 }
 
-mns_result mns_particle_set_read(mns_particle_set **out, const char *path, const struct mns_read_params *params, struct mns_message *message)
+mns_result mns_particle_set_read(mns_particle_set **out, const char *path, const struct mns_read_params *params,
+                                 struct mns_message *message)
 {
-    if (!out)
+    if (!out) {
         return mns_fail(message, MNS_ERR_INVALID_ARGUMENT, "mns_particle_set_read: out is NULL");
+    }
     *out = NULL;
-    if (!path)
+    if (!path) {
         return mns_fail(message, MNS_ERR_INVALID_ARGUMENT, "mns_particle_set_read: path is NULL");
+    }
     return read_set(out, path, NULL, path, params, message);
 }
 
 mns_result mns_particle_set_read_memory(mns_particle_set **out, const void *data, size_t size, const char *name,
                                         const struct mns_read_params *params, struct mns_message *message)
 {
-    if (!out)
+    if (!out) {
         return mns_fail(message, MNS_ERR_INVALID_ARGUMENT, "mns_particle_set_read_memory: out is NULL");
+    }
     *out = NULL;
-    if (!data && size > 0)
+    if (!data && size > 0) {
         return mns_fail(message, MNS_ERR_INVALID_ARGUMENT, "mns_particle_set_read_memory: data is NULL");
+    }
     const struct bytes bytes = {data, size};
     return read_set(out, NULL, &bytes, name, params, message);
 }

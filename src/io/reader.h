@@ -95,7 +95,8 @@ mns_result mns_read_file(struct read_context *context, const char *path, struct 
  * In builds without the library they fail with MNS_ERR_UNSUPPORTED and name it. */
 enum codec { CODEC_ZLIB, CODEC_LZ4, CODEC_LZMA };
 mns_result mns_decompress(struct read_context *context, enum codec codec, struct bytes in, void *out, size_t out_size);
-mns_result mns_gunzip(struct read_context *context, struct bytes in, uint8_t **out, size_t *out_size); /* *out: mns_read_free(.., *out, *out_size, 1) */
+mns_result mns_gunzip(struct read_context *context, struct bytes in, uint8_t **out,
+                      size_t *out_size); /* *out: mns_read_free(.., *out, *out_size, 1) */
 mns_result mns_inflate_raw(struct read_context *context, struct bytes in, void *out, size_t out_size); /* zip members */
 
 /* Whether data that unpack so far are made to fill the memory: particles shrink to a tenth, not to a thousandth. Never when max_bytes is set. */
@@ -107,10 +108,7 @@ struct cursor {
     size_t at;
 };
 bool mns_take(struct cursor *cursor, size_t size, const uint8_t **out);
-static inline size_t mns_left(const struct cursor *cursor)
-{
-    return cursor->bytes.size - cursor->at;
-}
+static inline size_t mns_left(const struct cursor *cursor) { return cursor->bytes.size - cursor->at; }
 bool mns_take_u16be(struct cursor *cursor, uint16_t *out);
 bool mns_take_u32be(struct cursor *cursor, uint32_t *out);
 bool mns_take_line(struct cursor *cursor, struct bytes *line); /* without \n or \r\n */

@@ -8,10 +8,7 @@
 
 static const char *const role_names[MNS_ROLE_COUNT] = {"none", "position", "velocity", "density", "radius", "mass", "id", "color"};
 
-const char *mns_role_name(enum mns_role role)
-{
-    return (unsigned)role < MNS_ROLE_COUNT ? role_names[role] : NULL;
-}
+const char *mns_role_name(enum mns_role role) { return (unsigned)role < MNS_ROLE_COUNT ? role_names[role] : NULL; }
 
 /* Known names, compared without regard to case; the first that a file has wins. */
 struct known {
@@ -24,8 +21,10 @@ static const struct known known[MNS_ROLE_COUNT] = {
     [MNS_ROLE_DENSITY] = {1, 1, {"density", "rho", "rhop", "densities", "dens", "particle_density", "mass_density"}},
     [MNS_ROLE_RADIUS] = {1, 1, {"radius", "radii", "pscale", "particle_radius", "particleradius", "particle radius", "rad"}},
     [MNS_ROLE_MASS] = {1, 1, {"mass", "m", "masses", "particle_mass"}},
-    [MNS_ROLE_ID] = {1, 1, {"id", "ids", "gid", "idp", "particle_id", "particleid", "particleids", "particle id", "pid", "globalids",
-                            "globalpointids", "global_id", "index"}},
+    [MNS_ROLE_ID] = {1,
+                     1,
+                     {"id", "ids", "gid", "idp", "particle_id", "particleid", "particleids", "particle id", "pid", "globalids",
+                      "globalpointids", "global_id", "index"}},
     [MNS_ROLE_COLOR] = {3, 4, {"color", "cd", "colour", "rgb", "rgba", "colors", "col"}},
 };
 
@@ -45,15 +44,13 @@ static const struct triple triples[] = {
     {MNS_ROLE_COLOR, {"diffuse_red", "diffuse_green", "diffuse_blue"}},
 };
 
-static char lower(char c)
-{
-    return c >= 'A' && c <= 'Z' ? (char)(c - 'A' + 'a') : c;
-}
+static char lower(char c) { return c >= 'A' && c <= 'Z' ? (char)(c - 'A' + 'a') : c; }
 
 static bool same_name(const char *a, const char *b)
 {
-    for (; *a && lower(*a) == lower(*b); a++, b++)
+    for (; *a && lower(*a) == lower(*b); a++, b++) {
         continue;
+    }
     return *a == *b;
 }
 
@@ -61,8 +58,10 @@ static struct attribute *find_nocase(const mns_particle_set *set, const char *na
 {
     for (size_t i = 0; i < set->listed_count; i++) {
         struct attribute *attribute = &set->attributes[i];
-        if (attribute->is.components >= min_components && attribute->is.components <= max_components && same_name(attribute->is.name, name))
+        if (attribute->is.components >= min_components && attribute->is.components <= max_components &&
+            same_name(attribute->is.name, name)) {
             return attribute;
+        }
     }
     return NULL;
 }
@@ -71,8 +70,9 @@ static struct attribute *find_known(const mns_particle_set *set, const struct kn
 {
     for (size_t i = 0; i < sizeof(role->names) / sizeof(role->names[0]) && role->names[i]; i++) {
         struct attribute *attribute = find_nocase(set, role->names[i], role->min_components, role->max_components);
-        if (attribute)
+        if (attribute) {
             return attribute;
+        }
     }
     return NULL;
 }
@@ -80,17 +80,23 @@ static struct attribute *find_known(const mns_particle_set *set, const struct kn
 static void interleave(uint8_t *out, const uint8_t *const in[3], size_t count, size_t size)
 {
     if (size == 4) {
-        for (size_t i = 0; i < count; i++)
-            for (size_t c = 0; c < 3; c++)
+        for (size_t i = 0; i < count; i++) {
+            for (size_t c = 0; c < 3; c++) {
                 memcpy(out + (3 * i + c) * 4, in[c] + 4 * i, 4);
+            }
+        }
     } else if (size == 8) {
-        for (size_t i = 0; i < count; i++)
-            for (size_t c = 0; c < 3; c++)
+        for (size_t i = 0; i < count; i++) {
+            for (size_t c = 0; c < 3; c++) {
                 memcpy(out + (3 * i + c) * 8, in[c] + 8 * i, 8);
+            }
+        }
     } else {
-        for (size_t i = 0; i < count; i++)
-            for (size_t c = 0; c < 3; c++)
+        for (size_t i = 0; i < count; i++) {
+            for (size_t c = 0; c < 3; c++) {
                 memcpy(out + (3 * i + c) * size, in[c] + size * i, size);
+            }
+        }
     }
 }
 
@@ -102,20 +108,26 @@ static mns_result join(struct read_context *context, enum mns_role role, struct 
     for (size_t t = 0; t < sizeof(triples) / sizeof(triples[0]); t++) {
         const struct attribute *part[3];
         const uint8_t *in[3];
-        if (triples[t].role != role)
+        if (triples[t].role != role) {
             continue;
-        for (int c = 0; c < 3; c++)
+        }
+        for (int c = 0; c < 3; c++) {
             part[c] = find_nocase(set, triples[t].names[c], 1, 1);
-        if (!part[0] || !part[1] || !part[2] || part[1]->is.type != part[0]->is.type || part[2]->is.type != part[0]->is.type)
+        }
+        if (!part[0] || !part[1] || !part[2] || part[1]->is.type != part[0]->is.type || part[2]->is.type != part[0]->is.type) {
             continue;
-        for (int c = 0; c < 3; c++)
+        }
+        for (int c = 0; c < 3; c++) {
             in[c] = part[c]->data;
-        if (mns_set_find(set, role_names[role], strlen(role_names[role])))
+        }
+        if (mns_set_find(set, role_names[role], strlen(role_names[role]))) {
             continue;
+        }
         enum mns_type type = part[0]->is.type;
         struct attribute *joined = mns_set_extra(context, role_names[role], type, 3, false);
-        if (!joined)
+        if (!joined) {
             return MNS_ERR_OUT_OF_MEMORY;
+        }
         interleave(joined->data, in, set->count, mns_type_size(type));
         *out = joined;
         return MNS_OK;
@@ -144,26 +156,34 @@ static mns_result apply_override(struct read_context *context, enum mns_role rol
     mns_particle_set *set = context->set;
     const struct known *wanted = &known[role];
     char names[640];
-    for (size_t i = 0; i < set->listed_count; i++)
-        if (set->attributes[i].is.role == role)
+    for (size_t i = 0; i < set->listed_count; i++) {
+        if (set->attributes[i].is.role == role) {
             set->attributes[i].is.role = MNS_ROLE_NONE;
-    if (*name == '\0' && role == MNS_ROLE_POSITION)
+        }
+    }
+    if (*name == '\0' && role == MNS_ROLE_POSITION) {
         return mns_read_fail(context, MNS_ERR_INVALID_ARGUMENT, "attribute 'position=': positions cannot be left out");
-    if (*name == '\0')
+    }
+    if (*name == '\0') {
         return MNS_OK;
+    }
     struct attribute *attribute = mns_set_find(set, name, strlen(name));
-    if (!attribute && set->count == 0)
+    if (!attribute && set->count == 0) {
         return MNS_OK;
+    }
     if (!attribute) {
         mns_set_list(set, names, sizeof(names));
-        return mns_read_fail(context, MNS_ERR_INVALID_ARGUMENT, "has no attribute '%s' to be the %s; it has %s", name, role_names[role], names);
+        return mns_read_fail(context, MNS_ERR_INVALID_ARGUMENT, "has no attribute '%s' to be the %s; it has %s", name, role_names[role],
+                             names);
     }
-    if (attribute->is.components < wanted->min_components || attribute->is.components > wanted->max_components)
+    if (attribute->is.components < wanted->min_components || attribute->is.components > wanted->max_components) {
         return mns_read_fail(context, MNS_ERR_INVALID_ARGUMENT, "'%s' cannot be the %s: it has %d components per particle, not %d", name,
                              role_names[role], attribute->is.components, wanted->min_components);
-    if (role == MNS_ROLE_POSITION && attribute->is.type != MNS_F32 && attribute->is.type != MNS_F64)
+    }
+    if (role == MNS_ROLE_POSITION && attribute->is.type != MNS_F32 && attribute->is.type != MNS_F64) {
         return mns_read_fail(context, MNS_ERR_INVALID_ARGUMENT, "'%s' cannot be the position: it is %s, not float32 or float64", name,
                              mns_type_name(attribute->is.type));
+    }
     attribute->is.role = role;
     return MNS_OK;
 }
@@ -176,37 +196,42 @@ mns_result mns_roles_assign(struct read_context *context)
         enum mns_role role = MNS_ROLE_NONE;
         const char *name = "";
         mns_result result = parse_override(context, params->roles[i], &role, &name);
-        if (result == MNS_OK)
+        if (result == MNS_OK) {
             result = apply_override(context, role, name);
-        if (result != MNS_OK)
+        }
+        if (result != MNS_OK) {
             return result;
+        }
         decided[role] = true;
     }
     for (int r = MNS_ROLE_POSITION; r < MNS_ROLE_COUNT; r++) {
-        if (decided[r])
+        if (decided[r]) {
             continue;
+        }
         struct attribute *attribute = find_known(context->set, &known[r]);
         if (!attribute) {
             mns_result result = join(context, (enum mns_role)r, &attribute);
-            if (result != MNS_OK)
+            if (result != MNS_OK) {
                 return result;
+            }
         }
-        if (attribute && attribute->is.role == MNS_ROLE_NONE)
+        if (attribute && attribute->is.role == MNS_ROLE_NONE) {
             attribute->is.role = (enum mns_role)r;
+        }
     }
     return MNS_OK;
 }
 
 /* ---- what the renderer takes ---- */
 
-#define CONVERT(from, to, expression)                    \
-    do {                                                 \
-        const from *in = (const from *)source;           \
-        to *out = (to *)target;                          \
-        for (size_t i = 0; i < count; i++) {             \
-            const from v = in[i];                        \
-            out[i] = expression;                         \
-        }                                                \
+#define CONVERT(from, to, expression)                                                                                                      \
+    do {                                                                                                                                   \
+        const from *in = (const from *)source;                                                                                             \
+        to *out = (to *)target;                                                                                                            \
+        for (size_t i = 0; i < count; i++) {                                                                                               \
+            const from v = in[i];                                                                                                          \
+            out[i] = expression;                                                                                                           \
+        }                                                                                                                                  \
     } while (0)
 
 static void to_double(void *target, const void *source, size_t count, enum mns_type type)
@@ -229,10 +254,11 @@ static void to_double(void *target, const void *source, size_t count, enum mns_t
 static void to_id(void *target, const void *source, size_t count, enum mns_type type)
 {
     const double limit = 9.2e18;
-    if (type == MNS_F32)
+    if (type == MNS_F32) {
         CONVERT(float, int64_t, (double)v > -limit && (double)v < limit ? (int64_t)v : 0);
-    else
+    } else {
         CONVERT(double, int64_t, v > -limit && v < limit ? (int64_t)v : 0);
+    }
 }
 
 static float linear_from_srgb(double v)
@@ -247,26 +273,26 @@ static void to_linear(float *target, const void *source, size_t count, enum mns_
     double values[256];
     if (type == MNS_U8) {
         float table[256];
-        for (int i = 0; i < 256; i++)
+        for (int i = 0; i < 256; i++) {
             table[i] = linear_from_srgb(i / 255.0);
+        }
         const uint8_t *in = source;
-        for (size_t i = 0; i < count; i++)
+        for (size_t i = 0; i < count; i++) {
             target[i] = table[in[i]];
+        }
         return;
     }
     double white = type == MNS_U16 ? 65535.0 : 255.0;
     for (size_t start = 0; start < count; start += 256) {
         size_t n = count - start < 256 ? count - start : 256;
         to_double(values, (const uint8_t *)source + start * mns_type_size(type), n, type);
-        for (size_t i = 0; i < n; i++)
+        for (size_t i = 0; i < n; i++) {
             target[start + i] = linear_from_srgb(values[i] / white);
+        }
     }
 }
 
-static bool is_float(enum mns_type type)
-{
-    return type == MNS_F32 || type == MNS_F64;
-}
+static bool is_float(enum mns_type type) { return type == MNS_F32 || type == MNS_F64; }
 
 static struct mns_attr view_of(const struct mns_attribute *attribute)
 {
@@ -282,14 +308,16 @@ static mns_result convert(struct read_context *context, size_t index, struct mns
     size_t components = (size_t)from.components, values = set->count * components;
     enum mns_type type = from.role == MNS_ROLE_ID ? MNS_I64 : from.role == MNS_ROLE_COLOR ? MNS_F32 : MNS_F64;
     struct attribute *added = mns_set_extra(context, "", type, from.components, true);
-    if (!added)
+    if (!added) {
         return MNS_ERR_OUT_OF_MEMORY;
-    if (type == MNS_I64)
+    }
+    if (type == MNS_I64) {
         to_id(added->data, from.data, values, from.type);
-    else if (type == MNS_F32)
+    } else if (type == MNS_F32) {
         to_linear((float *)(void *)added->data, from.data, values, from.type);
-    else
+    } else {
         to_double(added->data, from.data, values, from.type);
+    }
     *out = view_of(&added->is);
     return MNS_OK;
 }
@@ -307,13 +335,15 @@ mns_result mns_roles_views(struct read_context *context)
     for (size_t i = 0; i < set->listed_count; i++) {
         const struct mns_attribute *attribute = &set->attributes[i].is;
         struct mns_attr *view = views[attribute->role];
-        if (!view || set->count == 0)
+        if (!view || set->count == 0) {
             continue;
+        }
         *view = view_of(attribute);
         if ((attribute->role == MNS_ROLE_ID) == is_float(attribute->type)) {
             mns_result result = convert(context, i, view);
-            if (result != MNS_OK)
+            if (result != MNS_OK) {
                 return result;
+            }
         }
     }
     return MNS_OK;

@@ -23,8 +23,9 @@ static const struct vtk_packed *packed_of(const struct vtk_source *source) { ret
 static uint64_t load(const struct vtk_packed *packed, const uint8_t *p)
 {
     uint64_t value = 0;
-    for (size_t i = 0; i < packed->header_size; i++)
+    for (size_t i = 0; i < packed->header_size; i++) {
         value |= (uint64_t)p[i] << 8 * (packed->big_endian ? packed->header_size - 1 - i : i);
+    }
     return value;
 }
 
@@ -52,19 +53,22 @@ static mns_result open_plain(const struct vtk_packed *packed, const struct vtk_a
     size_t header = packed->header_size, used;
     if (array->coding == VTK_BASE64) {
         size_t got = mns_base64_decode(array->data, 0, first, header + 1, &used);
-        if (got < header)
+        if (got < header) {
             return ends_early(packed, array);
+        }
         p = first;
         packing->skip = got > header ? header : 0;
         used = got > header ? 0 : used;
     } else {
-        if (array->data.size < header)
+        if (array->data.size < header) {
             return ends_early(packed, array);
+        }
         used = header;
     }
     packing->data = (struct bytes){array->data.data + used, array->data.size - used};
-    if (load(packed, p) != wanted)
+    if (load(packed, p) != wanted) {
         return wrong_size(packed, array, load(packed, p), wanted);
+    }
     return wanted > room(array, packing->data) ? ends_early(packed, array) : MNS_OK;
 }
 
@@ -75,28 +79,34 @@ static mns_result take_header(const struct vtk_packed *packed, const struct vtk_
     uint8_t first[8];
     size_t size = packed->header_size, used;
     bool text = array->coding == VTK_BASE64;
-    if (text ? mns_base64_decode(array->data, 0, first, size, &used) < size : array->data.size < size)
+    if (text ? mns_base64_decode(array->data, 0, first, size, &used) < size : array->data.size < size) {
         return ends_early(packed, array);
+    }
     uint64_t blocks = load(packed, text ? first : array->data.data);
     packing->blocks = (size_t)blocks;
-    if (blocks == 0)
+    if (blocks == 0) {
         return MNS_OK;
-    if (blocks > room(array, array->data) / size - 1)
+    }
+    if (blocks > room(array, array->data) / size - 1) {
         return ends_early(packed, array);
+    }
     size_t bytes = (3 + packing->blocks) * size;
     if (!text) {
-        if (bytes > array->data.size)
+        if (bytes > array->data.size) {
             return ends_early(packed, array);
+        }
         *numbers = array->data.data;
         used = bytes;
     } else {
         packing->header = mns_read_alloc(packed->source.context, bytes, 1);
-        if (!packing->header)
+        if (!packing->header) {
             return MNS_ERR_OUT_OF_MEMORY;
+        }
         packing->header_bytes = bytes;
         *numbers = packing->header;
-        if (mns_base64_decode(array->data, 0, packing->header, bytes, &used) < bytes)
+        if (mns_base64_decode(array->data, 0, packing->header, bytes, &used) < bytes) {
             return ends_early(packed, array);
+        }
     }
     packing->data = (struct bytes){array->data.data + used, array->data.size - used};
     return MNS_OK;
@@ -107,32 +117,37 @@ static mns_result open_compressed(const struct vtk_packed *packed, const struct 
     const uint8_t *numbers = NULL;
     size_t size = packed->header_size;
     mns_result result = take_header(packed, array, packing, &numbers);
-    if (result != MNS_OK)
+    if (result != MNS_OK) {
         return result;
-    if (packing->blocks == 0)
+    }
+    if (packing->blocks == 0) {
         return wanted == 0 ? MNS_OK : wrong_size(packed, array, 0, wanted);
+    }
     uint64_t block = load(packed, numbers + size), last = load(packed, numbers + 2 * size);
     uint64_t whole = packing->blocks - (last != 0);
-    if (last > wanted || (whole > 0 && (block == 0 || block > wanted / whole)) || whole * block + last != wanted)
+    if (last > wanted || (whole > 0 && (block == 0 || block > wanted / whole)) || whole * block + last != wanted) {
         return mns_read_fail(packed->source.context, MNS_ERR_BAD_DATA,
                              "'%s' is packed as %zu blocks of %llu bytes, the last of %llu; that are not "
                              "the %zu bytes that should be there",
                              mns_vtk_name(array), packing->blocks, (unsigned long long)block, (unsigned long long)last, wanted);
+    }
     packing->block_bytes = (size_t)block;
     packing->last_bytes = last != 0 ? (size_t)last : (size_t)block;
     packing->sizes = numbers + 3 * size;
     size_t most = room(array, packing->data);
     for (size_t i = 0; i < packing->blocks; i++) {
         uint64_t bytes = load(packed, packing->sizes + i * size);
-        if (bytes > most - packing->packed_bytes)
+        if (bytes > most - packing->packed_bytes) {
             return ends_early(packed, array);
+        }
         packing->packed_bytes += (size_t)bytes;
     }
-    if (mns_is_bomb(packed->source.context, packing->packed_bytes, wanted))
+    if (mns_is_bomb(packed->source.context, packing->packed_bytes, wanted)) {
         return mns_read_fail(packed->source.context, MNS_ERR_BAD_DATA,
                              "'%s' unpacks to %zu bytes from %zu, which no particles do; set max_bytes if it "
                              "is meant so",
                              mns_vtk_name(array), wanted, packing->packed_bytes);
+    }
     return MNS_OK;
 }
 
@@ -141,8 +156,9 @@ static mns_result open_array(const struct vtk_packed *packed, const struct vtk_a
     size_t wanted = elements * mns_type_size(array->type);
     *packing = (struct packing){.data = array->data};
     if (array->coding == VTK_TEXT) {
-        if (elements <= array->data.size / 2 + 1)
+        if (elements <= array->data.size / 2 + 1) {
             return MNS_OK;
+        }
         return mns_read_fail(packed->source.context, MNS_ERR_BAD_DATA,
                              "'%s' has %zu characters, which cannot be the %zu numbers that should be there", mns_vtk_name(array),
                              array->data.size, elements);
@@ -152,8 +168,9 @@ static mns_result open_array(const struct vtk_packed *packed, const struct vtk_a
 
 static void close_array(const struct vtk_packed *packed, struct packing *packing)
 {
-    if (packing->header)
+    if (packing->header) {
         mns_read_free(packed->source.context, packing->header, packing->header_bytes, 1);
+    }
 }
 
 static mns_result check(const struct vtk_source *source, const struct vtk_array *array, size_t elements, const uint8_t **plain)
@@ -172,11 +189,13 @@ static mns_result name_fault(const struct vtk_packed *packed, const struct vtk_a
 {
     struct read_context *context = packed->source.context;
     char fault[sizeof(context->message->text)];
-    if (result != MNS_ERR_BAD_DATA)
+    if (result != MNS_ERR_BAD_DATA) {
         return result;
+    }
     const char *text = context->message->text, *prefix = context->path ? context->path : "(memory)";
-    if (strncmp(text, prefix, strlen(prefix)) == 0 && strncmp(text + strlen(prefix), ": ", 2) == 0)
+    if (strncmp(text, prefix, strlen(prefix)) == 0 && strncmp(text + strlen(prefix), ": ", 2) == 0) {
         text += strlen(prefix) + 2;
+    }
     memcpy(fault, text, strlen(text) + 1);
     return mns_read_fail(context, result, "'%s', block %zu of %zu: %s", mns_vtk_name(array), block + 1, blocks, fault);
 }
@@ -189,10 +208,12 @@ static mns_result unpack(const struct vtk_packed *packed, const struct vtk_array
     mns_result result = MNS_OK;
     if (array->coding == VTK_BASE64 && packing->blocks > 0) {
         scratch = mns_read_alloc(packed->source.context, packing->packed_bytes, 1);
-        if (!scratch)
+        if (!scratch) {
             return MNS_ERR_OUT_OF_MEMORY;
-        if (mns_base64_decode(data, 0, scratch, packing->packed_bytes, &used) < packing->packed_bytes)
+        }
+        if (mns_base64_decode(data, 0, scratch, packing->packed_bytes, &used) < packing->packed_bytes) {
             result = ends_early(packed, array);
+        }
         data = (struct bytes){scratch, packing->packed_bytes};
     }
     for (size_t i = 0; i < packing->blocks && result == MNS_OK; i++) {
@@ -203,8 +224,9 @@ static mns_result unpack(const struct vtk_packed *packed, const struct vtk_array
         at += size;
         out += bytes;
     }
-    if (scratch)
+    if (scratch) {
         mns_read_free(packed->source.context, scratch, packing->packed_bytes, 1);
+    }
     return result;
 }
 
@@ -213,18 +235,21 @@ static mns_result decode(const struct vtk_source *source, const struct vtk_array
     const struct vtk_packed *packed = packed_of(source);
     struct packing packing;
     size_t bytes = elements * mns_type_size(array->type), used;
-    if (array->coding == VTK_TEXT)
+    if (array->coding == VTK_TEXT) {
         return mns_vtk_parse_numbers(source->context, array, elements, out);
+    }
     mns_result result = open_array(packed, array, elements, &packing);
-    if (result == MNS_OK && packed->compressed)
+    if (result == MNS_OK && packed->compressed) {
         result = unpack(packed, array, &packing, out);
-    else if (result == MNS_OK && array->coding == VTK_BASE64)
+    } else if (result == MNS_OK && array->coding == VTK_BASE64) {
         result = mns_base64_decode(packing.data, packing.skip, out, bytes, &used) < bytes ? ends_early(packed, array) : MNS_OK;
-    else if (result == MNS_OK)
+    } else if (result == MNS_OK) {
         mns_copy_elements(out, packing.data.data, elements, array->type, packed->big_endian);
+    }
     bool in_place = packed->compressed || array->coding == VTK_BASE64;
-    if (result == MNS_OK && in_place && packed->big_endian != mns_big_endian() && mns_type_size(array->type) > 1)
+    if (result == MNS_OK && in_place && packed->big_endian != mns_big_endian() && mns_type_size(array->type) > 1) {
         mns_copy_elements(out, out, elements, array->type, packed->big_endian);
+    }
     close_array(packed, &packing);
     return result;
 }

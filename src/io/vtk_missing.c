@@ -8,9 +8,11 @@ static int probe(struct bytes head)
 {
     static const char mark[] = "<VTKFile";
     const uint8_t *at = head.data, *end = head.data + head.size;
-    for (; (size_t)(end - at) >= sizeof(mark) - 1; at++)
-        if (memcmp(at, mark, sizeof(mark) - 1) == 0)
+    for (; (size_t)(end - at) >= sizeof(mark) - 1; at++) {
+        if (memcmp(at, mark, sizeof(mark) - 1) == 0) {
             return 2;
+        }
+    }
     return 0;
 }
 
@@ -24,8 +26,9 @@ const struct mns_reader mns_reader_vtk_xml_missing = {"vtu", "vtu vtp pvtu pvtp 
 
 mns_result mns_pvd_read(mns_pvd **out, const char *path, struct mns_message *message)
 {
-    if (out)
+    if (out) {
         *out = NULL;
+    }
     return mns_fail(message, MNS_ERR_UNSUPPORTED, "%s: is a VTK XML file, which this build cannot read: build with expat",
                     path ? path : "(no path)");
 }

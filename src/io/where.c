@@ -15,7 +15,24 @@
 
 enum { BLOCK = 512, STACK_MAX = 32, PROGRAM_MAX = 256, NEST_MAX = 100 };
 
-enum operation { NUMBER, LOAD, NEGATE, NOT, ADD, SUBTRACT, MULTIPLY, DIVIDE, EQUAL, UNEQUAL, LESS, LESS_EQUAL, GREATER, GREATER_EQUAL, AND, OR };
+enum operation {
+    NUMBER,
+    LOAD,
+    NEGATE,
+    NOT,
+    ADD,
+    SUBTRACT,
+    MULTIPLY,
+    DIVIDE,
+    EQUAL,
+    UNEQUAL,
+    LESS,
+    LESS_EQUAL,
+    GREATER,
+    GREATER_EQUAL,
+    AND,
+    OR
+};
 
 struct instruction {
     enum operation operation;
@@ -34,24 +51,27 @@ struct compiler {
 
 static void fail(struct compiler *compiler, const char *what)
 {
-    if (!compiler->failed)
+    if (!compiler->failed) {
         mns_read_fail(compiler->context, MNS_ERR_INVALID_ARGUMENT, "where '%.300s': column %d: %s", compiler->text,
                       (int)(compiler->at - compiler->text) + 1, what);
+    }
     compiler->failed = true;
 }
 
 /* operands: how many the instruction takes from the stack; it gives one back. */
 static void emit(struct compiler *compiler, struct instruction instruction, int operands)
 {
-    if (compiler->failed)
+    if (compiler->failed) {
         return;
+    }
     compiler->stack += 1 - operands;
     if (compiler->length == PROGRAM_MAX || compiler->stack > STACK_MAX) {
         fail(compiler, "the expression is too long");
         return;
     }
-    if (compiler->stack > compiler->stack_most)
+    if (compiler->stack > compiler->stack_most) {
         compiler->stack_most = compiler->stack;
+    }
     compiler->program[compiler->length++] = instruction;
 }
 
@@ -62,36 +82,33 @@ static void emit_operation(struct compiler *compiler, enum operation operation, 
 
 static void skip_space(struct compiler *compiler)
 {
-    while (*compiler->at == ' ' || *compiler->at == '\t')
+    while (*compiler->at == ' ' || *compiler->at == '\t') {
         compiler->at++;
+    }
 }
 
 static bool accept(struct compiler *compiler, const char *token)
 {
     skip_space(compiler);
     size_t length = strlen(token);
-    if (strncmp(compiler->at, token, length) != 0)
+    if (strncmp(compiler->at, token, length) != 0) {
         return false;
+    }
     compiler->at += length;
     return true;
 }
 
-static bool is_letter(char c)
-{
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_' || (unsigned char)c >= 0x80;
-}
+static bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_' || (unsigned char)c >= 0x80; }
 
-static bool is_digit(char c)
-{
-    return c >= '0' && c <= '9';
-}
+static bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
 static const struct attribute *find_by_role(const mns_particle_set *set, const char *name, size_t length)
 {
     for (size_t i = 0; i < set->listed_count; i++) {
         const char *role = mns_role_name(set->attributes[i].is.role);
-        if (set->attributes[i].is.role != MNS_ROLE_NONE && strlen(role) == length && memcmp(role, name, length) == 0)
+        if (set->attributes[i].is.role != MNS_ROLE_NONE && strlen(role) == length && memcmp(role, name, length) == 0) {
             return &set->attributes[i];
+        }
     }
     return NULL;
 }
@@ -101,8 +118,9 @@ static void load(struct compiler *compiler, const char *name, size_t length)
     const mns_particle_set *set = compiler->context->set;
     const struct attribute *attribute = mns_set_find(set, name, length);
     int component = -1;
-    if (!attribute)
+    if (!attribute) {
         attribute = find_by_role(set, name, length);
+    }
     if (!attribute && length == 1 && *name >= 'x' && *name <= 'z') {
         attribute = find_by_role(set, "position", 8);
         component = *name - 'x';
@@ -119,8 +137,9 @@ static void load(struct compiler *compiler, const char *name, size_t length)
         return;
     }
     struct instruction instruction = {.operation = attribute ? LOAD : NUMBER, .component = component};
-    if (attribute)
+    if (attribute) {
         instruction.attribute = attribute->is;
+    }
     if (*compiler->at == '.') {
         const char *c = ++compiler->at;
         int wanted = *c >= 'x' && *c <= 'z' ? *c - 'x' : *c == 'w' ? 3 : is_digit(*c) ? *c - '0' : -1;
@@ -143,15 +162,17 @@ static void parse_primary(struct compiler *compiler)
     const char *start = compiler->at;
     if (accept(compiler, "(")) {
         parse_or(compiler);
-        if (!accept(compiler, ")"))
+        if (!accept(compiler, ")")) {
             fail(compiler, "')' is missing");
+        }
     } else if (*start == '\'' || *start == '"') {
         const char *end = strchr(start + 1, *start);
         compiler->at = end ? end + 1 : start;
-        if (!end)
+        if (!end) {
             fail(compiler, "the quote is not closed");
-        else
+        } else {
             load(compiler, start + 1, (size_t)(end - start - 1));
+        }
     } else if (is_digit(*start) || *start == '.') {
         struct instruction number = {.operation = NUMBER};
         const char *end = mns_parse_double(start, start + strlen(start), &number.number);
@@ -162,8 +183,9 @@ static void parse_primary(struct compiler *compiler)
         compiler->at = end;
         emit(compiler, number, 0);
     } else if (is_letter(*start)) {
-        while (is_letter(*compiler->at) || is_digit(*compiler->at))
+        while (is_letter(*compiler->at) || is_digit(*compiler->at)) {
             compiler->at++;
+        }
         load(compiler, start, (size_t)(compiler->at - start));
     } else {
         fail(compiler, *start ? "a number, a name or '(' should stand here" : "the expression ends too early");
@@ -172,8 +194,9 @@ static void parse_primary(struct compiler *compiler)
 
 static void parse_unary(struct compiler *compiler)
 {
-    if (++compiler->nesting > NEST_MAX)
+    if (++compiler->nesting > NEST_MAX) {
         fail(compiler, "the expression is nested too deeply");
+    }
     skip_space(compiler);
     if (compiler->failed) {
         /* nothing more to say */
@@ -197,8 +220,9 @@ static void parse_product(struct compiler *compiler)
     parse_unary(compiler);
     while (!compiler->failed) {
         enum operation operation = accept(compiler, "*") ? MULTIPLY : accept(compiler, "/") ? DIVIDE : NUMBER;
-        if (operation == NUMBER)
+        if (operation == NUMBER) {
             break;
+        }
         parse_unary(compiler);
         emit_operation(compiler, operation, 2);
     }
@@ -209,8 +233,9 @@ static void parse_sum(struct compiler *compiler)
     parse_product(compiler);
     while (!compiler->failed) {
         enum operation operation = accept(compiler, "+") ? ADD : accept(compiler, "-") ? SUBTRACT : NUMBER;
-        if (operation == NUMBER)
+        if (operation == NUMBER) {
             break;
+        }
         parse_product(compiler);
         emit_operation(compiler, operation, 2);
     }
@@ -222,9 +247,11 @@ static enum operation accept_comparison(struct compiler *compiler)
         const char *token;
         enum operation operation;
     } comparisons[] = {{"==", EQUAL}, {"!=", UNEQUAL}, {"<=", LESS_EQUAL}, {">=", GREATER_EQUAL}, {"<", LESS}, {">", GREATER}};
-    for (size_t i = 0; i < sizeof(comparisons) / sizeof(comparisons[0]); i++)
-        if (accept(compiler, comparisons[i].token))
+    for (size_t i = 0; i < sizeof(comparisons) / sizeof(comparisons[0]); i++) {
+        if (accept(compiler, comparisons[i].token)) {
             return comparisons[i].operation;
+        }
+    }
     return NUMBER;
 }
 
@@ -232,12 +259,14 @@ static void parse_compare(struct compiler *compiler)
 {
     parse_sum(compiler);
     enum operation operation = accept_comparison(compiler);
-    if (operation == NUMBER)
+    if (operation == NUMBER) {
         return;
+    }
     parse_sum(compiler);
     emit_operation(compiler, operation, 2);
-    if (accept_comparison(compiler) != NUMBER)
+    if (accept_comparison(compiler) != NUMBER) {
         fail(compiler, "comparisons do not chain: write a < b && b < c");
+    }
 }
 
 static void parse_and(struct compiler *compiler)
@@ -262,28 +291,29 @@ static void compile(struct compiler *compiler)
 {
     parse_or(compiler);
     skip_space(compiler);
-    if (*compiler->at == '=')
+    if (*compiler->at == '=') {
         fail(compiler, "'=' is no comparison: write ==");
-    else if (*compiler->at != '\0')
+    } else if (*compiler->at != '\0') {
         fail(compiler, "an operator should stand here: == != < <= > >= && || + - * /");
+    }
 }
 
 /* ---- running ---- */
 
-#define LOAD_AS(type)                                                                                            \
-    do {                                                                                                         \
-        const type *in = (const type *)attribute->data + start * components;                                     \
-        if (component >= 0) {                                                                                    \
-            for (size_t i = 0; i < count; i++)                                                                   \
-                out[i] = (double)in[i * components + (size_t)component];                                         \
-        } else {                                                                                                 \
-            for (size_t i = 0; i < count; i++) {                                                                 \
-                double sum = 0.0;                                                                                \
-                for (size_t c = 0; c < components; c++)                                                          \
-                    sum += (double)in[i * components + c] * (double)in[i * components + c];                      \
-                out[i] = sqrt(sum);                                                                              \
-            }                                                                                                    \
-        }                                                                                                        \
+#define LOAD_AS(type)                                                                                                                      \
+    do {                                                                                                                                   \
+        const type *in = (const type *)attribute->data + start * components;                                                               \
+        if (component >= 0) {                                                                                                              \
+            for (size_t i = 0; i < count; i++)                                                                                             \
+                out[i] = (double)in[i * components + (size_t)component];                                                                   \
+        } else {                                                                                                                           \
+            for (size_t i = 0; i < count; i++) {                                                                                           \
+                double sum = 0.0;                                                                                                          \
+                for (size_t c = 0; c < components; c++)                                                                                    \
+                    sum += (double)in[i * components + c] * (double)in[i * components + c];                                                \
+                out[i] = sqrt(sum);                                                                                                        \
+            }                                                                                                                              \
+        }                                                                                                                                  \
     } while (0)
 
 static void run_load(const struct instruction *instruction, size_t start, size_t count, double *out)
@@ -305,15 +335,15 @@ static void run_load(const struct instruction *instruction, size_t start, size_t
     }
 }
 
-#define EACH(expression)                    \
-    do {                                    \
-        for (size_t i = 0; i < count; i++)  \
-            a[i] = (expression) ? 1.0 : 0.0; \
+#define EACH(expression)                                                                                                                   \
+    do {                                                                                                                                   \
+        for (size_t i = 0; i < count; i++)                                                                                                 \
+            a[i] = (expression) ? 1.0 : 0.0;                                                                                               \
     } while (0)
-#define EACH_VALUE(expression)             \
-    do {                                   \
-        for (size_t i = 0; i < count; i++) \
-            a[i] = (expression);           \
+#define EACH_VALUE(expression)                                                                                                             \
+    do {                                                                                                                                   \
+        for (size_t i = 0; i < count; i++)                                                                                                 \
+            a[i] = (expression);                                                                                                           \
     } while (0)
 
 /* a: the lower operand, where the result goes; b: the upper one, above it on the stack. */
@@ -346,8 +376,9 @@ static void run_block(const struct compiler *program, double *stack, size_t star
         const struct instruction *instruction = &program->program[i];
         switch (instruction->operation) {
         case NUMBER:
-            for (size_t k = 0; k < count; k++)
+            for (size_t k = 0; k < count; k++) {
                 top[k] = instruction->number;
+            }
             top += BLOCK;
             break;
         case LOAD:
@@ -355,17 +386,16 @@ static void run_block(const struct compiler *program, double *stack, size_t star
             top += BLOCK;
             break;
         case NEGATE:
-        case NOT:
-            run_operation(instruction->operation, top - BLOCK, top, count);
-            break;
+        case NOT: run_operation(instruction->operation, top - BLOCK, top, count); break;
         default:
             top -= BLOCK;
             run_operation(instruction->operation, top - BLOCK, top, count);
             break;
         }
     }
-    for (size_t k = 0; k < count; k++)
+    for (size_t k = 0; k < count; k++) {
         keep[start + k] &= stack[k] < 0.0 || stack[k] > 0.0; /* NaN is not true */
+    }
 }
 
 mns_result mns_where(struct read_context *context, const char *expression, uint8_t *keep)
@@ -375,8 +405,9 @@ mns_result mns_where(struct read_context *context, const char *expression, uint8
     double *stack = NULL;
     mns_result result = MNS_ERR_OUT_OF_MEMORY;
     compiler.program = mns_read_alloc(context, PROGRAM_MAX, sizeof(*compiler.program));
-    if (!compiler.program)
+    if (!compiler.program) {
         return result;
+    }
     compile(&compiler);
     if (compiler.failed) {
         result = MNS_ERR_INVALID_ARGUMENT;
@@ -384,14 +415,17 @@ mns_result mns_where(struct read_context *context, const char *expression, uint8
     }
     rows = (size_t)compiler.stack_most + 1; /* one above, which the operations on one operand name */
     stack = mns_read_alloc(context, rows * BLOCK, sizeof(*stack));
-    if (!stack)
+    if (!stack) {
         goto done;
-    for (size_t start = 0; start < count; start += BLOCK)
+    }
+    for (size_t start = 0; start < count; start += BLOCK) {
         run_block(&compiler, stack, start, count - start < BLOCK ? count - start : BLOCK, keep);
+    }
     result = MNS_OK;
 done:
-    if (stack)
+    if (stack) {
         mns_read_free(context, stack, rows * BLOCK, sizeof(*stack));
+    }
     mns_read_free(context, compiler.program, PROGRAM_MAX, sizeof(*compiler.program));
     return result;
 }

@@ -8,8 +8,18 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { LOCAL_SIZE = 30, LOCAL_EXTRA = 20, ENTRY_SIZE = 46, ENTRY_EXTRA = 28, END64_SIZE = 56, LOCATOR_SIZE = 20, END_SIZE = 22,
-       BUFFER = 65536, MEMBER_MAX = 7, ALIGNMENT = 64 };
+enum {
+    LOCAL_SIZE = 30,
+    LOCAL_EXTRA = 20,
+    ENTRY_SIZE = 46,
+    ENTRY_EXTRA = 28,
+    END64_SIZE = 56,
+    LOCATOR_SIZE = 20,
+    END_SIZE = 22,
+    BUFFER = 65536,
+    MEMBER_MAX = 7,
+    ALIGNMENT = 64
+};
 
 struct member {
     const char *name;
@@ -18,7 +28,7 @@ struct member {
     uint64_t offset; /* of the local header */
     uint64_t size;   /* of the .npy in it */
     uint32_t crc;
-    bool vector;     /* [n][components], not [n] */
+    bool vector; /* [n][components], not [n] */
 };
 
 struct writer {
@@ -43,14 +53,17 @@ static bool each_piece(struct writer *writer, const struct member *member, sink 
     size_t bytes = mns_type_size(member->attr.type) * (size_t)member->components, count = writer->particles->count;
     size_t stride = member->attr.stride ? member->attr.stride : bytes, per_piece = BUFFER / bytes;
     const uint8_t *in = member->attr.data;
-    if (stride == bytes) /* packed as it is */
+    if (stride == bytes) { /* packed as it is */
         return count == 0 || out(writer, in, count * bytes, user);
+    }
     for (size_t start = 0; start < count; start += per_piece) {
         size_t n = count - start < per_piece ? count - start : per_piece;
-        for (size_t i = 0; i < n; i++)
+        for (size_t i = 0; i < n; i++) {
             memcpy(writer->buffer + i * bytes, in + (start + i) * stride, bytes);
-        if (!out(writer, writer->buffer, n * bytes, user))
+        }
+        if (!out(writer, writer->buffer, n * bytes, user)) {
             return false;
+        }
     }
     return true;
 }
@@ -74,8 +87,9 @@ static void fill_crc_table(uint32_t table[256])
 {
     for (uint32_t i = 0; i < 256; i++) {
         uint32_t c = i;
-        for (int k = 0; k < 8; k++)
+        for (int k = 0; k < 8; k++) {
             c = (c & 1) ? 0xedb88320u ^ (c >> 1) : c >> 1;
+        }
         table[i] = c;
     }
 }
@@ -84,27 +98,29 @@ static bool to_crc(struct writer *writer, const void *data, size_t size, void *u
 {
     uint32_t *crc = user, c = *crc;
     const uint8_t *p = data;
-    for (size_t i = 0; i < size; i++)
+    for (size_t i = 0; i < size; i++) {
         c = writer->crc_table[(c ^ p[i]) & 0xff] ^ (c >> 8);
+    }
     *crc = c;
     return true;
 }
 
 static uint8_t *put(uint8_t *p, uint64_t value, int bytes)
 {
-    for (int i = 0; i < bytes; i++)
+    for (int i = 0; i < bytes; i++) {
         *p++ = (uint8_t)(value >> (8 * i));
+    }
     return p;
 }
 
 /* What a local header and a directory entry share: version to crc and 32-bit sizes, which say that the 64-bit ones stand in the extra field. */
 static uint8_t *put_common(uint8_t *p, const struct member *member, size_t name_size, size_t extra_size)
 {
-    p = put(p, 45, 2);         /* zip64 */
-    p = put(p, 0, 2);          /* flags */
-    p = put(p, 0, 2);          /* stored */
-    p = put(p, 0, 2);          /* 00:00 */
-    p = put(p, 0x21, 2);       /* 1 January 1980: the same bytes every time */
+    p = put(p, 45, 2);   /* zip64 */
+    p = put(p, 0, 2);    /* flags */
+    p = put(p, 0, 2);    /* stored */
+    p = put(p, 0, 2);    /* 00:00 */
+    p = put(p, 0x21, 2); /* 1 January 1980: the same bytes every time */
     p = put(p, member->crc, 4);
     p = put(p, UINT32_MAX, 4);
     p = put(p, UINT32_MAX, 4);
@@ -204,16 +220,20 @@ static bool write_npz(struct writer *writer)
     size_t count = 0;
     fill_crc_table(writer->crc_table);
     for (size_t i = 0; i < MEMBER_MAX; i++) {
-        if (!members[i].attr.data && i > 0)
+        if (!members[i].attr.data && i > 0) {
             continue;
+        }
         members[count] = members[i];
-        if (!write_member(writer, &members[count++]))
+        if (!write_member(writer, &members[count++])) {
             return false;
+        }
     }
     uint64_t directory = mns_atomic_size(writer->file);
-    for (size_t i = 0; i < count; i++)
-        if (!write_entry(writer, &members[i]))
+    for (size_t i = 0; i < count; i++) {
+        if (!write_entry(writer, &members[i])) {
             return false;
+        }
+    }
     return write_end(writer, count, directory);
 }
 
@@ -229,38 +249,47 @@ static mns_result check(const char *path, const struct mns_particles *particles,
 {
     const struct mns_attr *const attributes[] = {&particles->position, &particles->radius,  &particles->mass, &particles->color,
                                                  &particles->velocity, &particles->density, &particles->id};
-    if (!ends_in(path, ".npy") && !ends_in(path, ".npz"))
+    if (!ends_in(path, ".npy") && !ends_in(path, ".npz")) {
         return mns_fail(message, MNS_ERR_UNSUPPORTED, "%s: particles are written as .npy or .npz", path);
-    if (particles->count > 0 && !particles->position.data)
+    }
+    if (particles->count > 0 && !particles->position.data) {
         return mns_fail(message, MNS_ERR_INVALID_ARGUMENT, "%s: the particles have no positions", path);
-    if (particles->position.type != MNS_F32 && particles->position.type != MNS_F64)
+    }
+    if (particles->position.type != MNS_F32 && particles->position.type != MNS_F64) {
         return mns_fail(message, MNS_ERR_INVALID_ARGUMENT, "%s: positions must be float32 or float64", path);
-    for (size_t i = 0; i < sizeof(attributes) / sizeof(attributes[0]); i++)
-        if (mns_type_size(attributes[i]->type) == 0)
+    }
+    for (size_t i = 0; i < sizeof(attributes) / sizeof(attributes[0]); i++) {
+        if (mns_type_size(attributes[i]->type) == 0) {
             return mns_fail(message, MNS_ERR_INVALID_ARGUMENT, "%s: an attribute's type is unknown", path);
+        }
+    }
     return MNS_OK;
 }
 
 mns_result mns_particles_write(const char *path, const struct mns_particles *particles, struct mns_message *message)
 {
-    if (!path || !particles)
+    if (!path || !particles) {
         return mns_fail(message, MNS_ERR_INVALID_ARGUMENT, "mns_particles_write: path or particles is NULL");
+    }
     struct mns_particles known;
     mns_particles_init(&known);
     memcpy(&known, particles, particles->struct_size < sizeof(known) ? particles->struct_size : sizeof(known));
     struct writer writer = {.particles = &known};
     mns_result result = check(path, &known, message);
-    if (result != MNS_OK)
+    if (result != MNS_OK) {
         return result;
+    }
     writer.buffer = malloc(BUFFER);
-    if (!writer.buffer)
+    if (!writer.buffer) {
         return mns_fail(message, MNS_ERR_OUT_OF_MEMORY, "%s: out of memory", path);
+    }
     result = mns_atomic_begin(&writer.file, path, message);
     if (result == MNS_OK) {
-        if (ends_in(path, ".npz"))
+        if (ends_in(path, ".npz")) {
             write_npz(&writer); /* what fails is told by the commit */
-        else
+        } else {
             write_npy(&writer, &(struct member){.attr = known.position, .components = 3, .vector = true});
+        }
         result = mns_atomic_commit(writer.file, message);
     }
     free(writer.buffer);

@@ -17,7 +17,7 @@
 struct pool {
     struct memory memory;
     pthread_t *threads;
-    int thread_count;       /* workers that run */
+    int thread_count; /* workers that run */
     int capacity;
     pthread_mutex_t mutex;
     pthread_cond_t work, done;

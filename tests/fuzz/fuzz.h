@@ -12,11 +12,11 @@ void fuzz_read(const char *format, const char *where, const uint8_t *data, size_
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
-#define FUZZ_FORMAT(name)                                          \
-    int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)   \
-    {                                                              \
-        fuzz_read(name, NULL, data, size);                         \
-        return 0;                                                  \
+#define FUZZ_FORMAT(name)                                                                                                                  \
+    int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)                                                                           \
+    {                                                                                                                                      \
+        fuzz_read(name, NULL, data, size);                                                                                                 \
+        return 0;                                                                                                                          \
     }
 
 #endif

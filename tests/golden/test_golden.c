@@ -12,7 +12,7 @@
 
 /* Instruction sets differ in rounding, which moves a rim by a pixel here and there: measured, a mean of 0.05 and 0.1 % of the values.
  * What a person would see as another picture is a mean of 1 and more. */
-static const double MEAN_LIMIT = 0.25; /* of 255 */
+static const double MEAN_LIMIT = 0.25;  /* of 255 */
 static const double PART_LIMIT = 0.005; /* of the values, that differ by more than PART_STEP of 255 */
 static const double PART_STEP = 16;
 
@@ -90,8 +90,8 @@ static void draw_golden(const struct golden *golden, enum mns_isa isa, uint8_t *
     mns_renderer *renderer;
     assert_int_equal(mns_renderer_create(&renderer, &params, NULL), MNS_OK);
     struct mns_particles particles = cloud_particles(&cloud);
-    struct mns_output output = {
-        MNS_LAYER_BEAUTY, {.data = pixels, .width = POOL_WIDTH, .height = POOL_HEIGHT, .channels = 4, .pixel = MNS_PIXEL_U8}};
+    struct mns_output output = {MNS_LAYER_BEAUTY,
+                                {.data = pixels, .width = POOL_WIDTH, .height = POOL_HEIGHT, .channels = 4, .pixel = MNS_PIXEL_U8}};
     struct mns_frame frame;
     mns_frame_init(&frame);
     frame.camera = &shot.camera;

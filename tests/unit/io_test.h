@@ -27,10 +27,7 @@ static inline void add(struct blob *blob, const void *data, size_t size)
     blob->size += size;
 }
 
-static inline void add_text(struct blob *blob, const char *text)
-{
-    add(blob, text, strlen(text));
-}
+static inline void add_text(struct blob *blob, const char *text) { add(blob, text, strlen(text)); }
 
 /* The low `size` bytes of value, in the order said. */
 static inline void add_integer(struct blob *blob, uint64_t value, int size, int big_endian)
@@ -77,7 +74,8 @@ static inline mns_particle_set *read_text(const char *text, const char *name, co
 }
 
 /* Checks that reading fails with this code and a message that holds these words. */
-static inline void refuses(const void *data, size_t size, const char *name, const struct mns_read_params *params, mns_result code, const char *words)
+static inline void refuses(const void *data, size_t size, const char *name, const struct mns_read_params *params, mns_result code,
+                           const char *words)
 {
     struct mns_message message;
     mns_particle_set *set;
@@ -97,16 +95,52 @@ static inline double value_of(struct mns_attr attr, size_t i, int c)
     const uint8_t *p = (const uint8_t *)attr.data + i * attr.stride + (size_t)c * mns_type_size(attr.type);
     assert_non_null(attr.data);
     switch (attr.type) {
-    case MNS_F32: { float v; memcpy(&v, p, sizeof(v)); return (double)v; }
-    case MNS_F64: { double v; memcpy(&v, p, sizeof(v)); return v; }
-    case MNS_I8: { int8_t v; memcpy(&v, p, sizeof(v)); return v; }
+    case MNS_F32: {
+        float v;
+        memcpy(&v, p, sizeof(v));
+        return (double)v;
+    }
+    case MNS_F64: {
+        double v;
+        memcpy(&v, p, sizeof(v));
+        return v;
+    }
+    case MNS_I8: {
+        int8_t v;
+        memcpy(&v, p, sizeof(v));
+        return v;
+    }
     case MNS_U8: return *p;
-    case MNS_I16: { int16_t v; memcpy(&v, p, sizeof(v)); return v; }
-    case MNS_U16: { uint16_t v; memcpy(&v, p, sizeof(v)); return v; }
-    case MNS_I32: { int32_t v; memcpy(&v, p, sizeof(v)); return v; }
-    case MNS_U32: { uint32_t v; memcpy(&v, p, sizeof(v)); return v; }
-    case MNS_I64: { int64_t v; memcpy(&v, p, sizeof(v)); return (double)v; }
-    case MNS_U64: { uint64_t v; memcpy(&v, p, sizeof(v)); return (double)v; }
+    case MNS_I16: {
+        int16_t v;
+        memcpy(&v, p, sizeof(v));
+        return v;
+    }
+    case MNS_U16: {
+        uint16_t v;
+        memcpy(&v, p, sizeof(v));
+        return v;
+    }
+    case MNS_I32: {
+        int32_t v;
+        memcpy(&v, p, sizeof(v));
+        return v;
+    }
+    case MNS_U32: {
+        uint32_t v;
+        memcpy(&v, p, sizeof(v));
+        return v;
+    }
+    case MNS_I64: {
+        int64_t v;
+        memcpy(&v, p, sizeof(v));
+        return (double)v;
+    }
+    case MNS_U64: {
+        uint64_t v;
+        memcpy(&v, p, sizeof(v));
+        return (double)v;
+    }
     }
     fail();
     return 0.0;

@@ -19,16 +19,18 @@ static void add_attribute(struct blob *blob, const char *name, int words, int ki
         add_text(blob, "water");
         return;
     }
-    for (int i = 0; i < words; i++)
+    for (int i = 0; i < words; i++) {
         add_integer(blob, 0, 4, 1);
+    }
 }
 
 static void add_head(struct blob *blob, uint32_t points, uint32_t attributes)
 {
     const uint32_t fields[] = {5, points, 0, 0, 0, attributes, 0, 0, 0};
     add_text(blob, "BgeoV");
-    for (int i = 0; i < 9; i++)
+    for (int i = 0; i < 9; i++) {
         add_integer(blob, fields[i], 4, 1);
+    }
 }
 
 static void make(struct blob *blob, uint32_t points)
@@ -39,12 +41,14 @@ static void make(struct blob *blob, uint32_t points)
     add_attribute(blob, "name", 1, 4);
     add_attribute(blob, "pscale", 1, 0);
     for (uint32_t i = 0; i < points; i++) {
-        for (int c = 0; c < 3; c++)
+        for (int c = 0; c < 3; c++) {
             add_float(blob, (float)i + 0.25f * (float)c, 1);
+        }
         add_float(blob, 1.0f, 1);
         add_integer(blob, 100 + i, 4, 1);
-        for (int c = 0; c < 3; c++)
+        for (int c = 0; c < 3; c++) {
             add_float(blob, (float)-c, 1);
+        }
         add_integer(blob, i % 2, 4, 1);
         add_float(blob, 0.5f, 1);
     }
@@ -129,8 +133,9 @@ static void every_cut_is_refused(void **state)
     (void)state;
     struct blob blob = {.size = 0};
     make(&blob, 3);
-    for (size_t size = 5; size < blob.size - 2; size++)
+    for (size_t size = 5; size < blob.size - 2; size++) {
         refuses(blob.data, size, "a.bgeo", NULL, MNS_ERR_BAD_DATA, "end");
+    }
 }
 
 #ifdef MNS_HAVE_ZLIB
@@ -191,8 +196,9 @@ static void bombs_do_not_go_off(void **state)
     /* Without a limit: 40 members of 8 MiB each from 8 KiB each are no particles. */
     uint8_t *many = malloc(40 * packed.size);
     assert_non_null(many);
-    for (size_t i = 0; i < 40; i++)
+    for (size_t i = 0; i < 40; i++) {
         memcpy(many + i * packed.size, packed.data, packed.size);
+    }
     refuses(many, 40 * packed.size, "a.bgeo", NULL, MNS_ERR_BAD_DATA, "which no particles do");
     free(many);
 }
@@ -201,10 +207,15 @@ static void bombs_do_not_go_off(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(points_are_read), cmocka_unit_test(no_points_are_a_valid_set), cmocka_unit_test(gigantic_counts_are_refused),
-        cmocka_unit_test(other_kinds_are_refused), cmocka_unit_test(every_cut_is_refused),
+        cmocka_unit_test(points_are_read),
+        cmocka_unit_test(no_points_are_a_valid_set),
+        cmocka_unit_test(gigantic_counts_are_refused),
+        cmocka_unit_test(other_kinds_are_refused),
+        cmocka_unit_test(every_cut_is_refused),
 #ifdef MNS_HAVE_ZLIB
-        cmocka_unit_test(gzip_is_unpacked), cmocka_unit_test(bad_gzip_is_refused), cmocka_unit_test(bombs_do_not_go_off),
+        cmocka_unit_test(gzip_is_unpacked),
+        cmocka_unit_test(bad_gzip_is_refused),
+        cmocka_unit_test(bombs_do_not_go_off),
 #endif
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -61,21 +61,60 @@ static void check_number(const char *text)
     double value, wanted = strtod(text, &stop);
     const char *end = mns_parse_double(text, text + strlen(text), &value);
     assert_ptr_equal(end, stop);
-    if (memcmp(&value, &wanted, sizeof(value)) != 0 && !(isnan(value) && isnan(wanted)))
+    if (memcmp(&value, &wanted, sizeof(value)) != 0 && !(isnan(value) && isnan(wanted))) {
         fail_msg("'%s' gives %.17g, not %.17g", text, value, wanted);
+    }
 }
 
 static void numbers_are_rounded_correctly(void **state)
 {
     (void)state;
-    static const char *const numbers[] = {
-        "0", "-0", "1", "-1.5", "+2.25", ".5", "5.", "1e5", "1E-5", "1e+05", "123456789012345678", "0.1", "0.30000000000000004", "2.2250738585072014e-308",
-        "4.9406564584124654e-324", "2.4703282292062327e-324", "1.7976931348623157e308", "1e400", "-1e400", "1e-400", "9007199254740993", "9007199254740992.5",
-        "0.000000000000000000000000000001234567", "8.5000000000000000000000000000001e22", "123456789012345678901234567890", "1e23", "8.98846567431158e307",
-        "1e22", "1e-22", "3.14159265358979323846264338327950288", "nan", "inf", "-inf", "infinity", "NaN", "1.0e", "1e+", "7,5", "1..2",
-        "9007199254740993e0", "5e-324", "1e99999999999999999999", "0.00000000000000000000000000000000000000000000000000000000000001e62"};
-    for (size_t i = 0; i < sizeof(numbers) / sizeof(numbers[0]); i++)
+    static const char *const numbers[] = {"0",
+                                          "-0",
+                                          "1",
+                                          "-1.5",
+                                          "+2.25",
+                                          ".5",
+                                          "5.",
+                                          "1e5",
+                                          "1E-5",
+                                          "1e+05",
+                                          "123456789012345678",
+                                          "0.1",
+                                          "0.30000000000000004",
+                                          "2.2250738585072014e-308",
+                                          "4.9406564584124654e-324",
+                                          "2.4703282292062327e-324",
+                                          "1.7976931348623157e308",
+                                          "1e400",
+                                          "-1e400",
+                                          "1e-400",
+                                          "9007199254740993",
+                                          "9007199254740992.5",
+                                          "0.000000000000000000000000000001234567",
+                                          "8.5000000000000000000000000000001e22",
+                                          "123456789012345678901234567890",
+                                          "1e23",
+                                          "8.98846567431158e307",
+                                          "1e22",
+                                          "1e-22",
+                                          "3.14159265358979323846264338327950288",
+                                          "nan",
+                                          "inf",
+                                          "-inf",
+                                          "infinity",
+                                          "NaN",
+                                          "1.0e",
+                                          "1e+",
+                                          "7,5",
+                                          "1..2",
+                                          "9007199254740993e0",
+                                          "5e-324",
+                                          "1e99999999999999999999",
+                                          "0.00000000000000000000000000000000000000000000000000000000000001e62"};
+    for (size_t i = 0; i < sizeof(numbers) / sizeof(numbers[0]); i++) {
         check_number(numbers[i]);
+    }
 }
 
 /* As in CSV, which knows no hexadecimal numbers. */
@@ -98,8 +137,9 @@ static void random_numbers_come_back(void **state)
         random = random * 6364136223846793005u + 1442695040888963407u;
         uint64_t bits = i % 2 ? random : (random & 0x800fffffffffffffu) | (uint64_t)(1023 - 20 + (random >> 58) % 40) << 52;
         memcpy(&value, &bits, sizeof(value));
-        if (!isfinite(value))
+        if (!isfinite(value)) {
             continue;
+        }
         int length = snprintf(text, sizeof(text), "%.17g", value);
         assert_ptr_equal(mns_parse_double(text, text + length, &back), text + length);
         assert_memory_equal(&back, &value, sizeof(value));
@@ -113,8 +153,9 @@ static void no_number_is_refused(void **state)
     (void)state;
     static const char *const wrong[] = {"", "-", "+", ".", "e5", "abc", "-.e", "\"1\"", "--1", "in", "na"};
     double value;
-    for (size_t i = 0; i < sizeof(wrong) / sizeof(wrong[0]); i++)
+    for (size_t i = 0; i < sizeof(wrong) / sizeof(wrong[0]); i++) {
         assert_null(mns_parse_double(wrong[i], wrong[i] + strlen(wrong[i]), &value));
+    }
 }
 
 static void numbers_end_where_told(void **state)
@@ -179,9 +220,11 @@ static void whole_numbers_are_checked(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(cursor_stops_at_the_end), cmocka_unit_test(lines_end_in_any_way), cmocka_unit_test(elements_are_swapped),
-        cmocka_unit_test(numbers_are_rounded_correctly), cmocka_unit_test(random_numbers_come_back), cmocka_unit_test(hexadecimal_is_not_read), cmocka_unit_test(no_number_is_refused),
-        cmocka_unit_test(numbers_end_where_told), cmocka_unit_test(long_numbers_are_taken), cmocka_unit_test(fortran_exponents_are_taken),
+        cmocka_unit_test(cursor_stops_at_the_end),   cmocka_unit_test(lines_end_in_any_way),
+        cmocka_unit_test(elements_are_swapped),      cmocka_unit_test(numbers_are_rounded_correctly),
+        cmocka_unit_test(random_numbers_come_back),  cmocka_unit_test(hexadecimal_is_not_read),
+        cmocka_unit_test(no_number_is_refused),      cmocka_unit_test(numbers_end_where_told),
+        cmocka_unit_test(long_numbers_are_taken),    cmocka_unit_test(fortran_exponents_are_taken),
         cmocka_unit_test(whole_numbers_are_checked),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

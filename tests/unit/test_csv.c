@@ -22,7 +22,9 @@ static void dialects_are_read(void **state)
     check_two("1,2.5,-3\n4,5,6e-1\n", "a.csv");
     check_two("1 2.5 -3\n4 5 6e-1\n", "a.xyz");
     check_two("# x y z\n# another\n1 2.5 -3\n\n4 5 6e-1\n", "a.txt");
-    check_two("\xef\xbb\xbf" "x,y,z\n1,2.5,-3\n4,5,6e-1\n", "a.csv");
+    check_two("\xef\xbb\xbf"
+              "x,y,z\n1,2.5,-3\n4,5,6e-1\n",
+              "a.csv");
     check_two("\"Points:0\",\"Points:1\",\"Points:2\"\n1,2.5,-3\n4,5,6e-1\n", "a.csv");
     check_two("id,Points_2,Points_0,Points_1\n7,-3,1,2.5\n8,6e-1,4,5\n", "a.csv");
     check_two("Pos.x [m];Pos.y [m];Pos.z [m];\n1;2.5;-3;\n4;5;6e-1;\n", "a.csv");
@@ -37,8 +39,10 @@ static void dialects_are_read(void **state)
 static void columns_become_vectors(void **state)
 {
     (void)state;
-    mns_particle_set *set = read_text("\"velocity:0\",\"velocity:1\",\"velocity:2\",\"density\",\"id\",\"Points:0\",\"Points:1\",\"Points:2\"\n"
-                                      "1,2,3,1000.5,9007199254740993,0,0,0\n4,5,6,999,2,1,1,1\n", "a.csv", NULL);
+    mns_particle_set *set =
+        read_text("\"velocity:0\",\"velocity:1\",\"velocity:2\",\"density\",\"id\",\"Points:0\",\"Points:1\",\"Points:2\"\n"
+                  "1,2,3,1000.5,9007199254740993,0,0,0\n4,5,6,999,2,1,1,1\n",
+                  "a.csv", NULL);
     const struct mns_particles *particles = mns_particle_set_particles(set);
     assert_int_equal(mns_particle_set_attribute_count(set), 4);
     assert_vector(particles->velocity, 1, 4, 5, 6);
@@ -112,10 +116,7 @@ static void no_rows_are_a_valid_set(void **state)
     mns_particle_set_destroy(&set);
 }
 
-static void refuse(const char *text, const char *words)
-{
-    refuses(text, strlen(text), "a.csv", NULL, MNS_ERR_BAD_DATA, words);
-}
+static void refuse(const char *text, const char *words) { refuses(text, strlen(text), "a.csv", NULL, MNS_ERR_BAD_DATA, words); }
 
 static void bad_tables_are_refused(void **state)
 {
@@ -138,10 +139,12 @@ static void crooked_tables_ask_for_no_memory(void **state)
     (void)state;
     static struct blob blob;
     blob.size = 0;
-    for (int i = 0; i < 900; i++)
+    for (int i = 0; i < 900; i++) {
         add_text(&blob, "1,");
-    for (int i = 0; i < 5000; i++)
+    }
+    for (int i = 0; i < 5000; i++) {
         add_text(&blob, "\n1");
+    }
     refuses(blob.data, blob.size, "a.csv", NULL, MNS_ERR_BAD_DATA, "rows of 901 fields");
 }
 
@@ -161,9 +164,15 @@ static void positions_can_be_named(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(dialects_are_read), cmocka_unit_test(columns_become_vectors), cmocka_unit_test(xyz_types_are_kept),
-        cmocka_unit_test(text_columns_are_left_out), cmocka_unit_test(only_the_first_frame_is_read), cmocka_unit_test(no_rows_are_a_valid_set),
-        cmocka_unit_test(bad_tables_are_refused), cmocka_unit_test(crooked_tables_ask_for_no_memory), cmocka_unit_test(positions_can_be_named),
+        cmocka_unit_test(dialects_are_read),
+        cmocka_unit_test(columns_become_vectors),
+        cmocka_unit_test(xyz_types_are_kept),
+        cmocka_unit_test(text_columns_are_left_out),
+        cmocka_unit_test(only_the_first_frame_is_read),
+        cmocka_unit_test(no_rows_are_a_valid_set),
+        cmocka_unit_test(bad_tables_are_refused),
+        cmocka_unit_test(crooked_tables_ask_for_no_memory),
+        cmocka_unit_test(positions_can_be_named),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

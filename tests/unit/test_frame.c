@@ -250,8 +250,10 @@ static void the_sun_and_the_floor_follow_the_up_axis(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(views_agree_with_the_matrices),  cmocka_unit_test(wrong_cameras_are_refused),
-        cmocka_unit_test(wrong_outputs_are_refused),      cmocka_unit_test(sizes_follow_the_particles),
+        cmocka_unit_test(views_agree_with_the_matrices),
+        cmocka_unit_test(wrong_cameras_are_refused),
+        cmocka_unit_test(wrong_outputs_are_refused),
+        cmocka_unit_test(sizes_follow_the_particles),
         cmocka_unit_test(the_sun_and_the_floor_follow_the_up_axis),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -125,7 +125,8 @@ static void test_store_keeps_every_particle_in_tight_chunks_whatever_the_threads
     double sum_in = 0, sum_store = 0, extent = 0;
     for (size_t i = 0; i < COUNT; i++) {
         sum_in += p[3 * i] * (p[3 * i + 1] + 2 * p[3 * i + 2]);
-        double x = (double)one.x[i] + one.facts.origin[0], y = (double)one.y[i] + one.facts.origin[1], z = (double)one.z[i] + one.facts.origin[2];
+        double x = (double)one.x[i] + one.facts.origin[0], y = (double)one.y[i] + one.facts.origin[1],
+               z = (double)one.z[i] + one.facts.origin[2];
         sum_store += x * (y + 2 * z);
         size_t chunk = i / CHUNK_SIZE;
         assert_true(one.x[i] >= one.box_min[0][chunk] && one.x[i] <= one.box_max[0][chunk]);

@@ -23,17 +23,18 @@ static void every_layout_is_read(void **state)
     for (int i = 0; i < 16; i++) {
         int big = i & 1, wide = i & 2, fortran = i & 4, version = i & 8 ? 3 : 1;
         char dictionary[128];
-        snprintf(dictionary, sizeof(dictionary), "{'descr': '%c%s', 'fortran_order': %s, 'shape': (2, 3), }  \n", big ? '>' : '<', wide ? "f8" : "f4",
-                 fortran ? "True" : "False");
+        snprintf(dictionary, sizeof(dictionary), "{'descr': '%c%s', 'fortran_order': %s, 'shape': (2, 3), }  \n", big ? '>' : '<',
+                 wide ? "f8" : "f4", fortran ? "True" : "False");
         struct blob blob = {.size = 0};
         add_npy(&blob, version, dictionary);
         static const double c_order[] = {1, 2, 3, 4, 5, 6}, fortran_order[] = {1, 4, 2, 5, 3, 6};
         for (int k = 0; k < 6; k++) {
             double v = fortran ? fortran_order[k] : c_order[k];
-            if (wide)
+            if (wide) {
                 add_double(&blob, v, big);
-            else
+            } else {
                 add_float(&blob, (float)v, big);
+            }
         }
         mns_particle_set *set = read_blob(blob.data, blob.size, "a.npy", NULL);
         const struct mns_particles *particles = mns_particle_set_particles(set);
@@ -62,8 +63,9 @@ static void refuse_npy(const char *dictionary, mns_result code, const char *word
 {
     struct blob blob = {.size = 0};
     add_npy(&blob, 1, dictionary);
-    for (int i = 0; i < 6; i++)
+    for (int i = 0; i < 6; i++) {
         add_float(&blob, 1.0f, 0);
+    }
     refuses(blob.data, blob.size, "a.npy", NULL, code, words);
 }
 
@@ -96,21 +98,27 @@ static void check_written(const char *path, const struct mns_particles *particle
 {
     struct mns_message message;
     mns_particle_set *set;
-    if (mns_particles_write(path, particles, &message) != MNS_OK)
+    if (mns_particles_write(path, particles, &message) != MNS_OK) {
         fail_msg("%s", message.text);
-    if (mns_particle_set_read(&set, path, NULL, &message) != MNS_OK)
+    }
+    if (mns_particle_set_read(&set, path, NULL, &message) != MNS_OK) {
         fail_msg("%s", message.text);
+    }
     const struct mns_particles *back = mns_particle_set_particles(set);
     assert_int_equal(back->count, particles->count);
     for (size_t i = 0; i < particles->count; i++) {
         assert_int_equal(back->position.type, MNS_F64);
-        assert_vector(back->position, i, value_of(particles->position, i, 0), value_of(particles->position, i, 1), value_of(particles->position, i, 2));
-        if (!all)
+        assert_vector(back->position, i, value_of(particles->position, i, 0), value_of(particles->position, i, 1),
+                      value_of(particles->position, i, 2));
+        if (!all) {
             continue;
-        assert_vector(back->velocity, i, value_of(particles->velocity, i, 0), value_of(particles->velocity, i, 1), value_of(particles->velocity, i, 2));
+        }
+        assert_vector(back->velocity, i, value_of(particles->velocity, i, 0), value_of(particles->velocity, i, 1),
+                      value_of(particles->velocity, i, 2));
         assert_true(value_of(back->density, i, 0) == value_of(particles->density, i, 0));
         assert_int_equal(back->id.type, MNS_U64);
-        assert_memory_equal((const char *)back->id.data + i * back->id.stride, (const char *)particles->id.data + i * particles->id.stride, 8);
+        assert_memory_equal((const char *)back->id.data + i * back->id.stride, (const char *)particles->id.data + i * particles->id.stride,
+                            8);
     }
     assert_null(back->radius.data);
     mns_particle_set_destroy(&set);
@@ -123,8 +131,9 @@ static void written_particles_come_back(void **state)
     enum { COUNT = 10000 };
     struct record *records = malloc(COUNT * sizeof(*records));
     assert_non_null(records);
-    for (int i = 0; i < COUNT; i++)
+    for (int i = 0; i < COUNT; i++) {
         records[i] = (struct record){{i, i + 0.25, -i}, {(float)i, 0, 1}, (float)(1000 + i), UINT64_MAX - (uint64_t)i};
+    }
     struct mns_particles particles;
     mns_particles_init(&particles);
     particles.count = COUNT;
@@ -195,9 +204,11 @@ static void bad_archives_are_refused(void **state)
     }
     struct blob bad = good;
     size_t central = 0;
-    for (size_t i = 0; i + 4 < bad.size && central == 0; i++)
-        if (memcmp(bad.data + i, "PK\1\2", 4) == 0)
+    for (size_t i = 0; i + 4 < bad.size && central == 0; i++) {
+        if (memcmp(bad.data + i, "PK\1\2", 4) == 0) {
             central = i;
+        }
+    }
     bad.data[central + 10] = 12; /* bzip2 */
     refuses(bad.data, bad.size, "a.npz", NULL, MNS_ERR_UNSUPPORTED, "method 12");
     bad = good;
@@ -208,8 +219,9 @@ static void bad_archives_are_refused(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_layout_is_read), cmocka_unit_test(no_particles_are_a_valid_set), cmocka_unit_test(bad_arrays_are_refused),
-        cmocka_unit_test(written_particles_come_back), cmocka_unit_test(writing_fails_cleanly), cmocka_unit_test(bad_archives_are_refused),
+        cmocka_unit_test(every_layout_is_read),   cmocka_unit_test(no_particles_are_a_valid_set),
+        cmocka_unit_test(bad_arrays_are_refused), cmocka_unit_test(written_particles_come_back),
+        cmocka_unit_test(writing_fails_cleanly),  cmocka_unit_test(bad_archives_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -37,11 +37,21 @@ static void test_wrong_values_change_nothing(void **state)
     static const struct {
         const char *name, *value, *words;
     } cases[] = {
-        {"sigma", "-1", "from 0.01 to 20 r"},      {"sigma", "nan", "from 0.01"},   {"sigma", "1x", "a number"},
-        {"iterations", "0", "from 1 to 100"},      {"iterations", "1.5", "whole"},  {"iterations", "10000", "100"},
-        {"filter", "median", "narrow-range"},      {"floor", "maybe", "on or off"}, {"fluid_color", "1,2", "three numbers"},
-        {"thickness_scale", "3", "auto, 1, 2, 4"}, {"sgima", "1", "'sigma'"},       {"radius", "0", "or auto"},
-        {"radius", "", "empty"},                   {"sigma", "1.5.2", "a number"},  {"sigma", ".", "a number"},
+        {"sigma", "-1", "from 0.01 to 20 r"},
+        {"sigma", "nan", "from 0.01"},
+        {"sigma", "1x", "a number"},
+        {"iterations", "0", "from 1 to 100"},
+        {"iterations", "1.5", "whole"},
+        {"iterations", "10000", "100"},
+        {"filter", "median", "narrow-range"},
+        {"floor", "maybe", "on or off"},
+        {"fluid_color", "1,2", "three numbers"},
+        {"thickness_scale", "3", "auto, 1, 2, 4"},
+        {"sgima", "1", "'sigma'"},
+        {"radius", "0", "or auto"},
+        {"radius", "", "empty"},
+        {"sigma", "1.5.2", "a number"},
+        {"sigma", ".", "a number"},
         {"sigma", "0,5", "a number"},
     };
     for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {

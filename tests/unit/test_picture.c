@@ -152,7 +152,7 @@ static void a_tilted_plane_stays_a_plane(void **state)
         uint64_t seed = 5;
         for (int v = -120; v < 120; v++) {
             for (int u = -120; u < 120; u++) {
-                for (int w = 0; w < 6; w++) { /* a surface layer and five below */
+                for (int w = 0; w < 6; w++) {         /* a surface layer and five below */
                     double between = w % 2 ? 0.5 : 0; /* the particles of a layer fill the gaps of the one above */
                     double a = spacing * (u + between + 0.2 * noise(&seed)), b = spacing * (v + between + 0.2 * noise(&seed));
                     double d = -spacing * (0.75 * w + 0.1 * noise(&seed));

@@ -39,12 +39,14 @@ static void write_piece(const char *name, int first, int count)
                         "<VTKFile type=\"PolyData\"><PolyData><Piece NumberOfPoints=\"%d\"><PointData><DataArray type=\"Int32\" "
                         "Name=\"id\" format=\"ascii\">",
                         count);
-    for (int i = 0; i < count; i++)
+    for (int i = 0; i < count; i++) {
         used += snprintf(text + used, sizeof(text) - (size_t)used, "%d ", first + i);
+    }
     used +=
         snprintf(text + used, sizeof(text) - (size_t)used, "</DataArray></PointData><Points><DataArray type=\"Float32\" format=\"ascii\">");
-    for (int i = 0; i < count; i++)
+    for (int i = 0; i < count; i++) {
         used += snprintf(text + used, sizeof(text) - (size_t)used, "%d 0 1 ", first + i);
+    }
     snprintf(text + used, sizeof(text) - (size_t)used, "</DataArray></Points></Piece></PolyData></VTKFile>");
     write_file(name, text);
 }
@@ -102,8 +104,9 @@ static void reads_five(const char *name, const char *format)
     struct mns_message message;
     mns_particle_set *set;
     path_of(path, name);
-    if (mns_particle_set_read(&set, path, NULL, &message) != MNS_OK)
+    if (mns_particle_set_read(&set, path, NULL, &message) != MNS_OK) {
         fail_msg("%s", message.text);
+    }
     assert_string_equal(mns_particle_set_format(set), format);
     assert_int_equal(mns_particle_set_particles(set)->count, 5);
     for (int i = 0; i < 5; i++) {
@@ -136,8 +139,9 @@ static void fails(const char *name, mns_result code, const char *words)
     path_of(path, name);
     mns_result result = mns_particle_set_read(&set, path, NULL, &message);
     assert_null(set);
-    if (result != code || !strstr(message.text, words))
+    if (result != code || !strstr(message.text, words)) {
         fail_msg("wanted code %d with '%s', got %d: '%s'", code, words, result, message.text);
+    }
 }
 
 static void circles_are_refused(void **state)

@@ -15,8 +15,9 @@ static const char table[] = "x,y,z,V_x,V_y,V_z,rho,h\n1,2,3,4,5,6,1000,7\n4,5,6,
 static void formats_are_told_from_content(void **state)
 {
     (void)state;
-    mns_particle_set *set = read_text("ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nproperty float y\nproperty float z\nend_header\n",
-                                      "misnamed.csv", NULL);
+    mns_particle_set *set =
+        read_text("ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nproperty float y\nproperty float z\nend_header\n",
+                  "misnamed.csv", NULL);
     assert_string_equal(mns_particle_set_format(set), "ply");
     mns_particle_set_destroy(&set);
     set = read_text(table, "misnamed.bgeo.data", NULL);
@@ -39,8 +40,9 @@ static void formats_are_listed(void **state)
     (void)state;
     int csv = 0;
     size_t i = 0;
-    for (; mns_read_format(i); i++)
+    for (; mns_read_format(i); i++) {
         csv += strcmp(mns_read_format(i), "csv") == 0;
+    }
     assert_int_equal(csv, 1);
     assert_null(mns_read_format(i + 100));
     assert_null(mns_missing_feature(1000));
@@ -79,7 +81,8 @@ static void roles_can_be_said(void **state)
 
     params.role_count = 1;
     roles[0] = "velocity=speed";
-    refuses(table, sizeof(table) - 1, "a.csv", &params, MNS_ERR_INVALID_ARGUMENT, "no attribute 'speed' to be the velocity; it has position[3], V[3], rho, h");
+    refuses(table, sizeof(table) - 1, "a.csv", &params, MNS_ERR_INVALID_ARGUMENT,
+            "no attribute 'speed' to be the velocity; it has position[3], V[3], rho, h");
     roles[0] = "velocity=rho";
     refuses(table, sizeof(table) - 1, "a.csv", &params, MNS_ERR_INVALID_ARGUMENT, "1 components per particle, not 3");
     struct mns_message message;
@@ -87,7 +90,8 @@ static void roles_can_be_said(void **state)
     static const char *const wrong[] = {"speed=V", "velocity", "=V", ""};
     for (size_t i = 0; i < sizeof(wrong) / sizeof(wrong[0]); i++) {
         roles[0] = wrong[i];
-        assert_int_equal(mns_particle_set_read_memory(&none, table, sizeof(table) - 1, "a.csv", &params, &message), MNS_ERR_INVALID_ARGUMENT);
+        assert_int_equal(mns_particle_set_read_memory(&none, table, sizeof(table) - 1, "a.csv", &params, &message),
+                         MNS_ERR_INVALID_ARGUMENT);
         assert_non_null(strstr(message.text, "ROLE=NAME"));
     }
 }
@@ -128,8 +132,9 @@ struct counting {
 static void *counted_allocate(void *user, size_t size, size_t alignment)
 {
     struct counting *counting = user;
-    if (counting->calls++ == counting->fail_at)
+    if (counting->calls++ == counting->fail_at) {
         return NULL;
+    }
     counting->bytes += size;
     return aligned_alloc(alignment, (size + alignment - 1) / alignment * alignment);
 }
@@ -137,8 +142,9 @@ static void *counted_allocate(void *user, size_t size, size_t alignment)
 static void counted_release(void *user, void *memory, size_t size)
 {
     struct counting *counting = user;
-    if (memory)
+    if (memory) {
         counting->bytes -= size;
+    }
     free(memory);
 }
 
@@ -150,10 +156,14 @@ static void memory_may_run_out_anywhere(void **state)
         const char *text, *name;
     } files[] = {
         {"x,y,z,u,v,w,type\n1,2,3,4,5,6,0\n4,5,6,0,0,0,1\nnan,5,6,0,0,0,1\n", "a.csv"},
-        {"ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\nproperty uchar red\nproperty uchar green\n"
-         "property uchar blue\nproperty int type\nend_header\n1 2 3 4 5 6 0\n", "a.ply"},
-        {"# vtk DataFile Version 3.0\nt\nASCII\nDATASET POLYDATA\nPOINTS 2 float\n1 2 3 4 5 6\nPOINT_DATA 2\nSCALARS type int\nLOOKUP_TABLE t\n0 1\n"
-         "FIELD f 1\nvtkGhostType 1 2 unsigned_char\n0 1\n", "a.vtk"},
+        {"ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\nproperty uchar red\nproperty "
+         "uchar green\n"
+         "property uchar blue\nproperty int type\nend_header\n1 2 3 4 5 6 0\n",
+         "a.ply"},
+        {"# vtk DataFile Version 3.0\nt\nASCII\nDATASET POLYDATA\nPOINTS 2 float\n1 2 3 4 5 6\nPOINT_DATA 2\nSCALARS type "
+         "int\nLOOKUP_TABLE t\n0 1\n"
+         "FIELD f 1\nvtkGhostType 1 2 unsigned_char\n0 1\n",
+         "a.vtk"},
     };
     for (size_t f = 0; f < sizeof(files) / sizeof(files[0]); f++) {
         for (size_t fail_at = 0;; fail_at++) {
@@ -187,8 +197,9 @@ static void refuse_path(const char *path, mns_result code, const char *words)
     mns_particle_set *set;
     assert_int_equal(mns_particle_set_read(&set, path, NULL, &message), code);
     assert_null(set);
-    if (strncmp(message.text, path, strlen(path)) != 0 || !strstr(message.text, words))
+    if (strncmp(message.text, path, strlen(path)) != 0 || !strstr(message.text, words)) {
         fail_msg("'%s' says nothing of '%s'", message.text, words);
+    }
 }
 
 static void files_that_cannot_be_read_are_told(void **state)
@@ -202,8 +213,9 @@ static void files_that_cannot_be_read_are_told(void **state)
     fputs(table, file);
     fclose(file);
     assert_int_equal(chmod("test_reader_locked.csv", 0), 0);
-    if (access("test_reader_locked.csv", R_OK) != 0) /* root reads everything */
+    if (access("test_reader_locked.csv", R_OK) != 0) { /* root reads everything */
         refuse_path("test_reader_locked.csv", MNS_ERR_IO, "Permission denied");
+    }
     remove("test_reader_locked.csv");
 #endif
 }
@@ -213,9 +225,11 @@ static void arrays_in_the_file_are_used_in_place(void **state)
     (void)state;
     enum { COUNT = 1000 };
     float points[COUNT][3];
-    for (int i = 0; i < COUNT; i++)
-        for (int c = 0; c < 3; c++)
+    for (int i = 0; i < COUNT; i++) {
+        for (int c = 0; c < 3; c++) {
             points[i][c] = (float)(i + c);
+        }
+    }
     points[3][1] = (float)NAN;
     struct mns_message message;
     struct mns_particles particles;
@@ -249,8 +263,9 @@ static void pipes_are_read(void **state)
     pid_t child = fork();
     if (child == 0) {
         FILE *pipe = fopen("test_reader_pipe.csv", "w");
-        for (int i = 0; i < ROWS; i++)
+        for (int i = 0; i < ROWS; i++) {
             fprintf(pipe, "%d %d %d\n", i, i + 1, i + 2);
+        }
         fclose(pipe);
         _exit(0);
     }
@@ -258,8 +273,9 @@ static void pipes_are_read(void **state)
     mns_particle_set *set;
     mns_result result = mns_particle_set_read(&set, "test_reader_pipe.csv", NULL, &message);
     remove("test_reader_pipe.csv");
-    if (result != MNS_OK)
+    if (result != MNS_OK) {
         fail_msg("%s", message.text);
+    }
     assert_int_equal(mns_particle_set_particles(set)->count, ROWS);
     assert_vector(mns_particle_set_particles(set)->position, ROWS - 1, ROWS - 1, ROWS, ROWS + 1);
     mns_particle_set_destroy(&set);
@@ -283,9 +299,14 @@ static void null_arguments_are_refused(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(formats_are_told_from_content), cmocka_unit_test(formats_are_listed), cmocka_unit_test(roles_are_found),
-        cmocka_unit_test(roles_can_be_said), cmocka_unit_test(odd_positions_are_dropped), cmocka_unit_test(limits_hold),
-        cmocka_unit_test(memory_may_run_out_anywhere), cmocka_unit_test(files_that_cannot_be_read_are_told),
+        cmocka_unit_test(formats_are_told_from_content),
+        cmocka_unit_test(formats_are_listed),
+        cmocka_unit_test(roles_are_found),
+        cmocka_unit_test(roles_can_be_said),
+        cmocka_unit_test(odd_positions_are_dropped),
+        cmocka_unit_test(limits_hold),
+        cmocka_unit_test(memory_may_run_out_anywhere),
+        cmocka_unit_test(files_that_cannot_be_read_are_told),
         cmocka_unit_test(arrays_in_the_file_are_used_in_place),
 #ifndef _WIN32
         cmocka_unit_test(pipes_are_read),

@@ -49,8 +49,7 @@ static struct mns_camera camera_of(void)
 static mns_result draw(mns_renderer *renderer, uint8_t *pixels)
 {
     struct mns_camera camera = camera_of();
-    struct mns_output output = {MNS_LAYER_BEAUTY,
-                                {.data = pixels, .width = WIDTH, .height = HEIGHT, .channels = 4, .pixel = MNS_PIXEL_U8}};
+    struct mns_output output = {MNS_LAYER_BEAUTY, {.data = pixels, .width = WIDTH, .height = HEIGHT, .channels = 4, .pixel = MNS_PIXEL_U8}};
     struct mns_frame frame;
     mns_frame_init(&frame);
     frame.camera = &camera;

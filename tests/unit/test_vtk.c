@@ -8,22 +8,24 @@ static void put_real(struct blob *blob, const char *type, double value)
 {
     char text[64];
     snprintf(text, sizeof(text), "%.9g ", value);
-    if (!binary)
+    if (!binary) {
         add_text(blob, text);
-    else if (strcmp(type, "double") == 0)
+    } else if (strcmp(type, "double") == 0) {
         add_double(blob, value, 1);
-    else
+    } else {
         add_float(blob, (float)value, 1);
+    }
 }
 
 static void put_whole(struct blob *blob, int64_t value, int size)
 {
     char text[64];
     snprintf(text, sizeof(text), "%lld ", (long long)value);
-    if (binary)
+    if (binary) {
         add_integer(blob, (uint64_t)value, size, 1);
-    else
+    } else {
         add_text(blob, text);
+    }
 }
 
 static void add_points(struct blob *blob, const char *type)
@@ -31,8 +33,9 @@ static void add_points(struct blob *blob, const char *type)
     char line[64];
     snprintf(line, sizeof(line), "POINTS 3 %s\n", type);
     add_text(blob, line);
-    for (int i = 0; i < 9; i++)
+    for (int i = 0; i < 9; i++) {
         put_real(blob, type, i + 0.5);
+    }
     add_text(blob, "\n");
 }
 
@@ -43,11 +46,13 @@ static void add_cells(struct blob *blob, const char *keyword, int offsets)
     add_text(blob, line);
     if (offsets) {
         add_text(blob, "OFFSETS vtktypeint64\n");
-        for (int i = 0; i < 4; i++)
+        for (int i = 0; i < 4; i++) {
             put_whole(blob, i, 8);
+        }
         add_text(blob, "\nCONNECTIVITY vtktypeint64\n");
-        for (int i = 0; i < 3; i++)
+        for (int i = 0; i < 3; i++) {
             put_whole(blob, i, 8);
+        }
     } else {
         for (int i = 0; i < 3; i++) {
             put_whole(blob, 1, 4);
@@ -55,11 +60,13 @@ static void add_cells(struct blob *blob, const char *keyword, int offsets)
         }
     }
     add_text(blob, "\n");
-    if (strcmp(keyword, "CELLS") != 0)
+    if (strcmp(keyword, "CELLS") != 0) {
         return;
+    }
     add_text(blob, "CELL_TYPES 3\n");
-    for (int i = 0; i < 3; i++)
+    for (int i = 0; i < 3; i++) {
         put_whole(blob, 1, 4);
+    }
     add_text(blob, "\n");
 }
 
@@ -99,30 +106,37 @@ static void make(struct blob *blob, const char *dataset, const char *points, int
     add_text(blob, "METADATA\nINFORMATION 1\nNAME L2_NORM_RANGE LOCATION vtkDataArray\nDATA 2 0 1\n\n");
     add_cells(blob, strcmp(dataset, "POLYDATA") == 0 ? "VERTICES" : "CELLS", offsets);
     add_text(blob, "POINT_DATA 3\nSCALARS id unsigned_int 1\nLOOKUP_TABLE table\n");
-    for (int i = 0; i < 3; i++)
+    for (int i = 0; i < 3; i++) {
         put_whole(blob, 4294967295 - i, 4);
+    }
     add_text(blob, "\nLOOKUP_TABLE table 1\n");
     for (int i = 0; i < 4; i++) {
-        if (binary)
+        if (binary) {
             add_integer(blob, 255, 1, 1);
-        else
+        } else {
             add_text(blob, "1.0 ");
+        }
     }
     add_text(blob, "\nVECTORS velocity double\n");
-    for (int i = 0; i < 9; i++)
+    for (int i = 0; i < 9; i++) {
         put_real(blob, "double", -i);
+    }
     add_text(blob, "\nNORMALS up float\n");
-    for (int i = 0; i < 9; i++)
+    for (int i = 0; i < 9; i++) {
         put_real(blob, "float", i % 3 == 1);
+    }
     add_text(blob, "\nFIELD FieldData 3\nrest%20density 1 3 float\n");
-    for (int i = 0; i < 3; i++)
+    for (int i = 0; i < 3; i++) {
         put_real(blob, "float", 1000 + i);
+    }
     add_text(blob, "\nMETADATA\nCOMPONENT_NAMES\nX\n\nNULL_ARRAY\nsmall 2 3 short\n");
-    for (int i = 0; i < 6; i++)
+    for (int i = 0; i < 6; i++) {
         put_whole(blob, i - 3, 2);
+    }
     add_text(blob, "\nCELL_DATA 3\nSCALARS region char\nLOOKUP_TABLE default\n");
-    for (int i = 0; i < 3; i++)
+    for (int i = 0; i < 3; i++) {
         put_whole(blob, i, 1);
+    }
     add_text(blob, "\n");
 }
 
@@ -197,8 +211,9 @@ static void kinds_of_numbers(void **state)
 
     struct blob blob = {.size = 0};
     add_text(&blob, "# vtk DataFile Version 4.2\r\nt\r\nBINARY\r\nDATASET POLYDATA\r\nPOINTS 1 float\r\n");
-    for (int i = 0; i < 3; i++)
+    for (int i = 0; i < 3; i++) {
         add_float(&blob, (float)i, 1);
+    }
     add_text(&blob,
              "\r\nPOINT_DATA 1\r\nFIELD f 2\r\nx%00y 1 1 unsigned_char\r\n!\r\nbits 9 1 bit\r\n\xa0\x80\r\nCOLOR_SCALARS color 3\r\nabc");
     set = read_blob(blob.data, blob.size, "a.vtk", NULL);
@@ -302,12 +317,15 @@ static void cuts_are_refused(void **state)
         struct blob blob;
         make(&blob, "UNSTRUCTURED_GRID", "float", 1);
         size_t start = 0, end = 0;
-        while (memcmp(blob.data + start, "\nFIELD", 6) != 0)
+        while (memcmp(blob.data + start, "\nFIELD", 6) != 0) {
             start++;
-        while (memcmp(blob.data + end, "METADATA", 8) != 0)
+        }
+        while (memcmp(blob.data + end, "METADATA", 8) != 0) {
             end++;
-        for (size_t size = start; size + 4 < end; size++)
+        }
+        for (size_t size = start; size + 4 < end; size++) {
             refuses(blob.data, size, "a.vtk", NULL, MNS_ERR_BAD_DATA, "");
+        }
     }
 }
 

@@ -13,11 +13,13 @@ static void xml_is_refused_by_name(void **state)
     assert_null(pvd);
     assert_non_null(strstr(message.text, "a.pvd: is a VTK XML file"));
     int listed = 0;
-    for (size_t i = 0; mns_missing_feature(i); i++)
+    for (size_t i = 0; mns_missing_feature(i); i++) {
         listed += strstr(mns_missing_feature(i), "expat") != NULL;
+    }
     assert_int_equal(listed, 1);
-    for (size_t i = 0; mns_read_format(i); i++)
+    for (size_t i = 0; mns_read_format(i); i++) {
         assert_string_not_equal(mns_read_format(i), "vtu");
+    }
 }
 
 int main(void)

@@ -46,8 +46,9 @@ static void add_zlib(struct blob *blob, const uint8_t *data, size_t size)
 static void add_lz4(struct blob *blob, const uint8_t *data, size_t size)
 {
     add_integer(blob, size < 15 ? size << 4 : 0xf0, 1, 0);
-    if (size >= 15)
+    if (size >= 15) {
         add_integer(blob, size - 15, 1, 0);
+    }
     add(blob, data, size);
 }
 
@@ -96,19 +97,21 @@ static void add_array(struct blob *xml, struct blob *appended, const struct kind
              : kind->coding == INLINE ? "binary"
                                       : "appended");
     add_text(xml, text);
-    for (int i = first; i < first + POINTS; i++)
+    for (int i = first; i < first + POINTS; i++) {
         for (int c = 0; c < components; c++) {
             double value = wanted(array, i, c);
             snprintf(text, sizeof(text), "%.10g%c", value, c == 2 ? '\n' : ' ');
-            if (kind->coding == ASCII)
+            if (kind->coding == ASCII) {
                 add_text(&data, text);
-            else if (array == 0)
+            } else if (array == 0) {
                 add_float(&data, (float)value, kind->big_endian);
-            else if (array == 1)
+            } else if (array == 1) {
                 add_double(&data, value, kind->big_endian);
-            else
+            } else {
                 add_integer(&data, (uint64_t)value, 4, kind->big_endian);
+            }
         }
+    }
     if (kind->coding == APPENDED_BASE64 || kind->coding == APPENDED_RAW) {
         snprintf(text, sizeof(text), " offset=\"%zu\"/>\n", appended->size);
         add_text(xml, text);
@@ -116,10 +119,11 @@ static void add_array(struct blob *xml, struct blob *appended, const struct kind
         return;
     }
     add_text(xml, ">\n<InformationKey name=\"N\" location=\"L\"><Value index=\"0\">1</Value></InformationKey>\n");
-    if (kind->coding == ASCII)
+    if (kind->coding == ASCII) {
         add(xml, data.data, data.size);
-    else
+    } else {
         add_packed(xml, &data, kind);
+    }
     add_text(xml, "\n<InformationKey name=\"N\" location=\"L\"/>\n</DataArray>\n");
 }
 
@@ -202,8 +206,9 @@ static void every_encoding_is_read(void **state)
                                   .apart = i >> 6 & 1,
                                   .compression = (enum compression)(i >> 7)};
         struct blob blob;
-        if (!is_there(kind.compression))
+        if (!is_there(kind.compression)) {
             continue;
+        }
         make(&blob, &kind);
         mns_particle_set *set = read_blob(blob.data, blob.size, "a.xml", NULL);
         check(set, &kind);
@@ -230,8 +235,9 @@ static void raw_data_stay_in_place(void **state)
         assert_int_equal(fclose(file), 0);
         mns_result result = mns_particle_set_read(&set, "test_vtu_raw.vtu", NULL, &message);
         remove("test_vtu_raw.vtu");
-        if (result != MNS_OK)
+        if (result != MNS_OK) {
             fail_msg("%s", message.text);
+        }
         check(set, &kind);
         mns_particle_set_destroy(&set);
     }
@@ -262,8 +268,9 @@ static void lzma_is_read(void **state)
         "</DataArray></PointData><Points><DataArray type=\"Float32\" format=\"ascii\">0 0 0 1 1 1 2 2 2 3 3 3 4 4 4</DataArray></Points>"
         "</Piece></PolyData></VTKFile>");
     mns_particle_set *set = read_blob(blob.data, blob.size, "a.vtp", NULL);
-    for (int i = 0; i < 5; i++)
+    for (int i = 0; i < 5; i++) {
         assert_true(value_of(mns_particle_set_particles(set)->density, (size_t)i, 0) == 1000.0 + i);
+    }
     mns_particle_set_destroy(&set);
 }
 #endif
@@ -411,10 +418,12 @@ static struct blob raw(const uint64_t *numbers, size_t count, int bytes)
 {
     struct blob blob = {.size = 0};
     add_text(&blob, "_");
-    for (size_t i = 0; i < count; i++)
+    for (size_t i = 0; i < count; i++) {
         add_integer(&blob, numbers[i], bytes, 0);
-    for (int i = 0; i < 3; i++)
+    }
+    for (int i = 0; i < 3; i++) {
         add_float(&blob, 1, 0);
+    }
     return blob;
 }
 
@@ -471,13 +480,15 @@ static void cuts_are_seen(void **state)
                                         {.coding = APPENDED_RAW, .header = 4, .pieces = 1, .compression = ZLIB}};
     for (size_t k = 0; k < sizeof(kinds) / sizeof(kinds[0]); k++) {
         struct blob blob;
-        if (!is_there(kinds[k].compression))
+        if (!is_there(kinds[k].compression)) {
             continue;
+        }
         make(&blob, &kinds[k]);
         size_t tail = kinds[k].coding < APPENDED_BASE64 ? strlen(">\n") : strlen("\n</AppendedData>\n</VTKFile>\n");
         tail += kinds[k].coding == APPENDED_BASE64 ? strlen("==") : 0;
-        for (size_t size = 140; size < blob.size - tail; size++)
+        for (size_t size = 140; size < blob.size - tail; size++) {
             refuses(blob.data, size, "a.vtu", NULL, MNS_ERR_BAD_DATA, "");
+        }
     }
 }
 
@@ -489,8 +500,9 @@ static void memory_is_bounded(void **state)
     struct mns_read_params params;
     mns_read_params_init(&params);
     make(&blob, &kind);
-    for (params.max_bytes = 1; params.max_bytes < 2500; params.max_bytes += 50)
+    for (params.max_bytes = 1; params.max_bytes < 2500; params.max_bytes += 50) {
         refuses(blob.data, blob.size, "a.vtu", &params, MNS_ERR_OUT_OF_MEMORY, "max_bytes");
+    }
 }
 
 int main(void)

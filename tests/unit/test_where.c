@@ -20,8 +20,9 @@ static void picks(const char *where, const char *wanted)
         assert_true(value_of(particles->velocity, i, 1) == -value_of(particles->position, i, 0)); /* all arrays move together */
     }
     kept[particles->count] = '\0';
-    if (strcmp(kept, wanted) != 0)
+    if (strcmp(kept, wanted) != 0) {
         fail_msg("'%s' keeps %s, not %s", where, kept, wanted);
+    }
     assert_int_equal(mns_particle_set_file_count(set), 8);
     mns_particle_set_destroy(&set);
 }
@@ -101,20 +102,24 @@ static void long_expressions_are_refused(void **state)
     memset(where, '-', sizeof(where) - 1);
     refuse(where, "nested too deeply");
     size_t n = 0;
-    for (int i = 0; i < 400; i++)
+    for (int i = 0; i < 400; i++) {
         n += (size_t)snprintf(where + n, sizeof(where) - n, "x+");
+    }
     where[n - 1] = '\0';
     refuse(where, "too long");
     n = 0;
-    for (int i = 0; i < 60; i++)
+    for (int i = 0; i < 60; i++) {
         n += (size_t)snprintf(where + n, sizeof(where) - n, "x+(");
+    }
     refuse(where, "too long");
 }
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(operators_mean_what_they_do_in_c), cmocka_unit_test(names_are_found), cmocka_unit_test(faults_are_told_with_their_place),
+        cmocka_unit_test(operators_mean_what_they_do_in_c),
+        cmocka_unit_test(names_are_found),
+        cmocka_unit_test(faults_are_told_with_their_place),
         cmocka_unit_test(long_expressions_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
