@@ -63,7 +63,7 @@ static const struct mns_param table[] = {
      .help = "absorption per channel; auto: absorption_relative / L"},
     {FLOAT3(absorption_relative, 0, 1e6, 2.2, 0.66, 0.3), .unit = "1/L", .group = "water",
      .help = "absorption per channel where absorption is auto"},
-    {FLOAT3(fluid_color, 0, 100, 0.004, 0.035, 0.06), .unit = "", .group = "water",
+    {FLOAT3(fluid_color, 0, 100, 0.006, 0.055, 0.085), .unit = "", .group = "water",
      .help = "linear colour that deep fluid scatters back, times the sky's light"},
     {FLOAT(refraction_index, 1, 4, 1.333), .unit = "", .group = "water", .help = "refractive index of the fluid"},
     {FLOAT(refraction_strength, 0, 10, 1), .unit = "", .group = "water",

@@ -70,9 +70,11 @@ struct shade_normals {
 #define SHADE_SUNSET  6.0f
 #define SHADE_GRAZING 0.15f
 
-/* What the water mirrors from below the horizon is the floor close by, which may lie in the fluid's own shadow: no brighter than what is seen
- * through the water, fully so from a quarter below the horizon on (the sine's inverse). Else every edge that turns to the floor shines. */
-#define SHADE_BELOW 4.0f
+/* What the water mirrors from below the horizon is open ground, or the floor close by in the fluid's own shadow: half way from the ground's
+ * radiance to what is seen through the water, where that is darker, from an eighth below the horizon on (a sine; its inverse, times the half).
+ * With the ground alone every edge that turns to the floor shines, without it overhangs lose their form. */
+#define SHADE_BELOW      4.0f
+#define SHADE_BELOW_MOST 0.5f
 
 /* Arrays may be read and written up to count rounded up to 16. Tolerances against plain C, relative to the largest value, come from fused
  * products and from reciprocals and roots of 3e-7. */

@@ -26,6 +26,8 @@ static const float BLUR_CUT = 3;
 static const float SKY_LOSS = 0.45f;
 /* Part of the sunlight that goes astray at the fluid's surfaces, refracted out of its way. */
 static const float SUN_ASTRAY = 0.3f;
+/* How much of the water's hue its shadow has: with all of it one cannot tell where the water ends and its shadow begins. */
+static const float SHADOW_HUE = 0.35f;
 /* Thickness from which on fluid counts as a body, in R. */
 static const float BODY = 4;
 /* Most that one particle adds to a texel, metres, so that sums stay finite whatever its volume. */
@@ -352,7 +354,7 @@ mns_result mns_shadow_update(struct backend *cpu, const struct frame *frame, con
     memcpy(key.sun, frame->look.sun, sizeof(key.sun));
     const float *absorption = frame->absorption, mean = (absorption[0] + absorption[1] + absorption[2]) / 3;
     for (int c = 0; c < 3; c++) { /* of coloured particles the map does not tell which threw the shadow: grey */
-        key.absorption[c] = frame->facts->has_color ? mean : absorption[c];
+        key.absorption[c] = frame->facts->has_color ? mean : mean + SHADOW_HUE * (absorption[c] - mean);
     }
     memcpy(key.sun_light, sun_light, sizeof(key.sun_light));
     memcpy(key.sky_light, sky_light, sizeof(key.sky_light));

@@ -282,7 +282,7 @@ static void every_layer_keeps_its_promises(void **state)
             size_t pixels = (size_t)in.shot.camera.width * (size_t)in.shot.camera.height;
             for (size_t p = 0; p < pixels && layers[0]; p++) {
                 const char *fault = fault_at(&in, p);
-                fluid += isfinite(layers[MNS_LAYER_DEPTH][p]);
+                fluid += isfinite(layers[MNS_LAYER_DEPTH][p]) ? 1u : 0u;
                 if (fault) {
                     print_error("case %d, %s, pixel %zu: %s\n", (int)seed, mns_isa_name(isa), p, fault);
                     describe(&in);

@@ -241,7 +241,7 @@ static void water(const struct shade_optics *o, bool has_color, struct shade_row
         float v[3], mirrored[3];
         ray_of(o, row->x + i, row->y, v);
         float cosine = clamp(-dot(n, v), 0, 1), enters = 1 - row->fresnel[i], covers = 0, largest = 0;
-        float below = clamp(-SHADE_BELOW * reflected(o, n, v, cosine, mirrored), 0, 1);
+        float below = clamp(-SHADE_BELOW * reflected(o, n, v, cosine, mirrored), 0, SHADE_BELOW_MOST);
         float glint = highlight(o, n, v, cosine);
         for (int c = 0; c < 3; c++) {
             float through = row->transmittance[c][i], behind = o->transparent ? 0 : row->behind[4 * i + c];

@@ -301,7 +301,7 @@ SIMD void water_at(const struct shade_optics *o, bool has_color, const struct sh
     vf one = vf_set1(1.0f), cosine = vf_saturate(vf_neg(v3_dot(n, v))), shine = vf_loadu(row->fresnel + i), enters = one - shine,
        covers = vf_zero();
     vf glint = highlight(o, n, v, cosine), mirrored[3], behind[4] = {vf_zero(), vf_zero(), vf_zero(), vf_zero()};
-    vf below = vf_saturate(vf_set1(-SHADE_BELOW) * reflected(o, n, v, cosine, mirrored));
+    vf below = vf_clamp(vf_set1(-SHADE_BELOW) * reflected(o, n, v, cosine, mirrored), vf_zero(), vf_set1(SHADE_BELOW_MOST));
     shine = shine * vf_set1(o->reflection);
     if (o->transparent) {
         below = vf_zero();
