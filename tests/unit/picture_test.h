@@ -147,13 +147,14 @@ static inline void pool(struct cloud *cloud, double size)
             double px = (x - 30) * 0.05, pz = (z - 20) * 0.05, r = hypot(px, pz);
             int layers = 6 + (int)(2 * sin(4 * px) * cos(3 * pz) + 6 * exp(-12 * (r - 0.4) * (r - 0.4)) - 5 * exp(-20 * r * r));
             for (int y = 0; y < layers; y++) {
-                double j[3] = {0.2 * noise(&seed), 0.2 * noise(&seed), 0.2 * noise(&seed)};
-                cloud_add(cloud, spacing * (x - 30 + j[0]), spacing * (y + j[1]), spacing * (z - 20 + j[2]));
+                double jx = 0.2 * noise(&seed), jy = 0.2 * noise(&seed), jz = 0.2 * noise(&seed);
+                cloud_add(cloud, spacing * (x - 30 + jx), spacing * (y + jy), spacing * (z - 20 + jz));
             }
         }
     }
     for (int i = 0; i < 60; i++) {
-        cloud_add(cloud, noise(&seed) * size, (1 + 0.4 * noise(&seed)) * size, noise(&seed) * 0.8 * size);
+        double px = noise(&seed), py = 1 + 0.4 * noise(&seed), pz = 0.8 * noise(&seed); /* in this order with every compiler */
+        cloud_add(cloud, px * size, py * size, pz * size);
     }
 }
 
