@@ -148,13 +148,6 @@ static int create(struct bench *bench)
 {
     const struct options *options = bench->options;
     size_t repeat = (size_t)options->repeat;
-    struct mns_renderer_params params;
-    struct mns_message message;
-    mns_renderer_params_init(&params);
-    params.backend = options->backend;
-    params.isa = options->isa;
-    params.threads = options->threads;
-    params.log = program_log(options);
     mns_stats_init(&bench->stats);
     bench->picture = (struct mns_output){
         .layer = MNS_LAYER_BEAUTY,
@@ -166,7 +159,7 @@ static int create(struct bench *bench)
     if (!bench->picture.image.data || !bench->frame_ms || !bench->stage_ms) {
         return program_fail("%s: out of memory", bench->path);
     }
-    return mns_renderer_create(&bench->renderer, &params, &message) == MNS_OK ? STATUS_DONE : program_fail("%s", message.text);
+    return program_renderer(&bench->renderer, options);
 }
 
 static int bench_file(const struct options *options, const char *path, cJSON *list)

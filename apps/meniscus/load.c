@@ -19,6 +19,18 @@ static void tell(void *user, enum mns_log_level level, const char *text)
 
 struct mns_log program_log(const struct options *options) { return (struct mns_log){.message = tell, .user = (void *)options}; }
 
+int program_renderer(mns_renderer **out, const struct options *options)
+{
+    struct mns_renderer_params params;
+    struct mns_message message;
+    mns_renderer_params_init(&params);
+    params.backend = options->backend;
+    params.isa = options->isa;
+    params.threads = options->threads;
+    params.log = program_log(options);
+    return mns_renderer_create(out, &params, &message) == MNS_OK ? STATUS_DONE : program_fail("%s", message.text);
+}
+
 /* Warnings wait until the file has been read: a file that is refused gets its one line. */
 struct held {
     const struct options *options;

@@ -1,4 +1,4 @@
-/* load.h: particles from a file or from standard input, as the options say. */
+/* load.h: particles from a file or from standard input, and a renderer for them, as the options say. */
 #ifndef MENISCUS_LOAD_H
 #define MENISCUS_LOAD_H
 
@@ -9,5 +9,8 @@ mns_result load_particles(mns_particle_set **out, const char *path, const struct
 
 /* Where the library's warnings go. */
 struct mns_log program_log(const struct options *options);
+
+/* A renderer as the options want it. Returns STATUS_DONE or, after telling why, STATUS_FAILED. */
+int program_renderer(mns_renderer **out, const struct options *options);
 
 #endif

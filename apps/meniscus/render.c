@@ -77,19 +77,6 @@ static int choose_frames(struct render *render)
                : program_usage("--frames chooses none of the %zu frames, whose numbers are %lld to %lld", inputs->count, lowest, highest);
 }
 
-static int create_renderer(struct render *render)
-{
-    const struct options *options = render->options;
-    struct mns_renderer_params params;
-    struct mns_message message;
-    mns_renderer_params_init(&params);
-    params.backend = options->backend;
-    params.isa = options->isa;
-    params.threads = options->threads;
-    params.log = program_log(options);
-    return mns_renderer_create(&render->renderer, &params, &message) == MNS_OK ? STATUS_DONE : program_fail("%s", message.text);
-}
-
 static int begin(struct render *render)
 {
     int status = find_inputs(render);
@@ -108,7 +95,7 @@ static int begin(struct render *render)
     if (status == STATUS_DONE && render->options->stats && !(render->stats = stats_create(render->options))) {
         status = program_fail("%s: out of memory", render->options->stats);
     }
-    return status == STATUS_DONE ? create_renderer(render) : status;
+    return status == STATUS_DONE ? program_renderer(&render->renderer, render->options) : status;
 }
 
 /* ---- one frame ---- */

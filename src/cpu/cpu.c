@@ -33,7 +33,6 @@ static void destroy(struct backend *cpu)
     mns_tiles_destroy(cpu);
     mns_scene_destroy(cpu);
     mns_blur_destroy(cpu);
-    mns_shade_destroy(cpu);
     free_thickness(&cpu->raw, memory);
     free_thickness(&cpu->blurred, memory);
     mns_depth_plane_free(&cpu->depth_raw, memory);

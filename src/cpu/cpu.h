@@ -59,7 +59,6 @@ mns_result mns_cpu_shade(struct backend *cpu, const struct frame *frame);
 void mns_tiles_destroy(struct backend *cpu);
 void mns_scene_destroy(struct backend *cpu); /* the scene image and the shadow */
 void mns_blur_destroy(struct backend *cpu);
-void mns_shade_destroy(struct backend *cpu);
 
 /* Runs job(context, i) for i in [0, jobs) with the host's threads. */
 static inline void cpu_run(struct backend *cpu, void (*job)(void *context, int index), void *context, int jobs)

@@ -238,5 +238,3 @@ mns_result mns_cpu_shade(struct backend *cpu, const struct frame *frame)
     cpu_run(cpu, shade_job, &run, cpu->host.threads);
     return MNS_OK;
 }
-
-void mns_shade_destroy(struct backend *cpu) { (void)cpu; }

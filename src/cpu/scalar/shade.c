@@ -4,6 +4,8 @@
 #include "cpu/plane.h"
 #include "cpu/scalar/sky.h"
 
+#include <string.h>
+
 static float clamp(float a, float low, float high) { return a > low ? a < high ? a : high : low; }
 
 static float dot(const float a[3], const float b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
@@ -229,27 +231,46 @@ static void put(struct shade_row *row, int i, const float color[4])
     }
 }
 
+/* What the surface does at a pixel, whatever is below it. */
+struct surface {
+    float n[3], cosine;        /* towards the eye, and of the angle to it */
+    float mirrored[3], height; /* radiance that is reflected, and the height of the direction it comes from */
+    float glint;
+};
+
+/* false: no fluid is there, and the pixel shows its own scene. */
+static bool meet_surface(const struct shade_optics *o, struct shade_row *row, int i, struct surface *out)
+{
+    if (row->nz[i] == 0) {
+        put(row, i, o->scene + 4 * (row->y * o->scene_stride + row->x + i));
+        return false;
+    }
+    const float n[3] = {row->nx[i], row->ny[i], row->nz[i]};
+    float v[3];
+    ray_of(o, row->x + i, row->y, v);
+    memcpy(out->n, n, sizeof(n));
+    out->cosine = clamp(-dot(n, v), 0, 1);
+    out->height = reflected(o, n, v, out->cosine, out->mirrored);
+    out->glint = highlight(o, n, v, out->cosine);
+    return true;
+}
+
 static void water(const struct shade_optics *o, bool has_color, struct shade_row *row)
 {
     for (int i = 0; i < row->count; i++) {
-        if (row->nz[i] == 0) {
-            put(row, i, o->scene + 4 * (row->y * o->scene_stride + row->x + i));
+        struct surface at;
+        if (!meet_surface(o, row, i, &at)) {
             continue;
         }
-        float out[4];
-        const float n[3] = {row->nx[i], row->ny[i], row->nz[i]};
-        float v[3], mirrored[3];
-        ray_of(o, row->x + i, row->y, v);
-        float cosine = clamp(-dot(n, v), 0, 1), enters = 1 - row->fresnel[i], covers = 0, largest = 0;
-        float below = clamp(-SHADE_BELOW * reflected(o, n, v, cosine, mirrored), 0, SHADE_BELOW_MOST);
-        float glint = highlight(o, n, v, cosine);
+        float out[4], enters = 1 - row->fresnel[i], covers = 0, largest = 0;
+        float below = clamp(-SHADE_BELOW * at.height, 0, SHADE_BELOW_MOST);
         for (int c = 0; c < 3; c++) {
             float through = row->transmittance[c][i], behind = o->transparent ? 0 : row->behind[4 * i + c];
-            mirrored[c] += o->transparent ? 0 : below * fminf(behind - mirrored[c], 0);
+            float mirrored = at.mirrored[c] + (o->transparent ? 0 : below * fminf(behind - at.mirrored[c], 0));
             float scatter = has_color ? o->scatter_light[c] * clamp(row->color[c][i], 0, 1) : o->scatter[c];
             /* [LGS09] eq. 14 with a coefficient per channel, then eq. 13. */
             float body = behind * through + scatter * (1 - through);
-            out[c] = enters * body + o->reflection * row->fresnel[i] * mirrored[c] + glint * o->sky.sun_light[c];
+            out[c] = enters * body + o->reflection * row->fresnel[i] * mirrored + at.glint * o->sky.sun_light[c];
             covers += (1 - enters * through) * (1 / 3.0f);
             largest = fmaxf(largest, out[c]);
         }
@@ -266,21 +287,16 @@ static void water(const struct shade_optics *o, bool has_color, struct shade_row
 static void opaque(const struct shade_optics *o, bool has_color, struct shade_row *row)
 {
     for (int i = 0; i < row->count; i++) {
-        if (row->nz[i] == 0) {
-            put(row, i, o->scene + 4 * (row->y * o->scene_stride + row->x + i));
+        struct surface at;
+        if (!meet_surface(o, row, i, &at)) {
             continue;
         }
-        float out[4];
-        const float n[3] = {row->nx[i], row->ny[i], row->nz[i]};
-        float v[3], mirrored[3];
-        ray_of(o, row->x + i, row->y, v);
-        float cosine = clamp(-dot(n, v), 0, 1), shine = fresnel(o, cosine) * o->reflection;
-        reflected(o, n, v, cosine, mirrored);
-        float glint = highlight(o, n, v, cosine), sun = fmaxf(dot(n, o->sky.sun), 0), up = 0.5f + 0.5f * dot(n, o->sky.up);
+        float out[4], shine = fresnel(o, at.cosine) * o->reflection;
+        float sun = fmaxf(dot(at.n, o->sky.sun), 0), up = 0.5f + 0.5f * dot(at.n, o->sky.up);
         for (int c = 0; c < 3; c++) {
             float albedo = has_color ? clamp(row->color[c][i], 0, 1) : o->opaque[c];
             float light = sun * o->sky.sun_light[c] + o->sky.ground[c] * 0.5f + up * (o->sky.sky_light[c] - o->sky.ground[c] * 0.5f);
-            out[c] = albedo * light + shine * mirrored[c] + glint * o->sky.sun_light[c];
+            out[c] = albedo * light + shine * at.mirrored[c] + at.glint * o->sky.sun_light[c];
         }
         out[3] = 1;
         put(row, i, out);
