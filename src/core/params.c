@@ -49,7 +49,8 @@ static const struct mns_param table[] = {
 
     {ENUM(filter, filters, MNS_FILTER_NARROW_RANGE_1D_CLEANUP), .unit = "", .group = "smoothing", .help = "how the depth is smoothed"},
     {INT(iterations, 1, 100, 3), .unit = "", .group = "smoothing", .help = "N times rows and columns, or N passes of a 2-D filter"},
-    {FLOAT(sigma, 0.01, 20, 0.7), .unit = "r", .group = "smoothing", .help = "sigma of the kernel in world space ([TY18] eq. 5)"},
+    {FLOAT(sigma, 0.01, 20, 0.9), .unit = "r", .group = "smoothing",
+     .help = "sigma of the kernel in world space ([TY18] eq. 5); cut at 2 sigma, 0.9 has the standard deviation of an uncut 0.7"},
     {FLOAT(delta, 0.1, 1000, 10), .unit = "r", .group = "smoothing", .help = "depth range that is smoothed together ([TY18] eq. 2 and 6)"},
     {FLOAT(mu, 0, 1000, 1), .unit = "r", .group = "smoothing",
      .help = "how far behind a pixel what lies beyond delta counts, which rounds the rim ([TY18] eq. 2); at most delta"},

@@ -145,7 +145,7 @@ static void a_tilted_plane_stays_a_plane(void **state)
 {
     (void)state;
     static const double tilts[] = {0, 45, 70};
-    static const double median_limit[] = {4.5, 3, 1.5}; /* degrees, of the median; particles jittered by a fifth of their spacing */
+    static const double median_limit[] = {3, 2, 1}; /* degrees, of the median; particles jittered by a fifth of their spacing */
     for (int i = 0; i < 3; i++) {
         double c = cos(tilts[i] * PI / 180), s = sin(tilts[i] * PI / 180), spacing = 0.04;
         struct cloud cloud = {0};

@@ -57,6 +57,7 @@ static struct fixture *fixture_create(int width, int height, enum mns_isa isa, i
     fixture->cpu.host = (struct backend_host){
         .memory = &fixture->memory, .parallel = {run_jobs, fixture->pool}, .threads = threads, .message = &fixture->message};
     mns_params_init(&fixture->frame.params);
+    fixture->frame.params.sigma = 0.7f; /* what the scenes here are worked out for */
     fixture->frame.splat_radius = R;
     fixture->frame.view = (struct view){.width = width, .height = height, .fx = FOCAL, .fy = FOCAL};
     assert_true(mns_depth_plane_resize(&fixture->cpu.depth_raw, &fixture->memory, width, height));
