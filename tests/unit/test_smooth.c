@@ -503,12 +503,32 @@ static float calm_and_splashes(const struct fixture *fixture, int x, int y)
     return x < 150 ? slanted(fixture, y, 0.5f) + 0.2f * R * uniform() : splashes(fixture, x, y);
 }
 
+/* The plain kernels, counted: blocks must have gone through them. */
+static struct narrow_range_kernels counted;
+static int plain_runs;
+
+static struct depth_range count_line(const struct narrow_range *filter, const struct depth_block *block, int axis)
+{
+    plain_runs++;
+    return counted.line_plain(filter, block, axis);
+}
+
+static struct depth_range count_disc(const struct narrow_range *filter, const struct depth_block *block, int axis)
+{
+    plain_runs++;
+    return counted.disc_plain(filter, block, axis);
+}
+
 static void test_plain_blocks_are_what_the_others_would_be(void **state)
 {
     (void)state;
     for (int filter = MNS_FILTER_NARROW_RANGE; filter <= MNS_FILTER_NARROW_RANGE_1D_CLEANUP; filter++) {
         struct fixture *a = fixture_create(240, 120, mns_isa_best(), 1), *b = fixture_create(240, 120, mns_isa_best(), 1);
         a->frame.params.filter = b->frame.params.filter = filter;
+        counted = a->narrow_range;
+        plain_runs = 0;
+        a->narrow_range.line_plain = count_line;
+        a->narrow_range.disc_plain = count_disc;
         b->narrow_range.line_plain = b->narrow_range.line;
         b->narrow_range.disc_plain = b->narrow_range.disc;
         b->narrow_range.square_plain = b->narrow_range.square;
@@ -516,7 +536,7 @@ static void test_plain_blocks_are_what_the_others_would_be(void **state)
         fill(b, calm_and_splashes);
         const struct depth_plane *plain = run(a), *whole = run(b);
         assert_true(pixels_apart(plain, whole, 1e-4) <= 240 * 120 / 1000);
-        assert_true(pixels_apart(plain, whole, 0) > 0); /* the plain kernels have run */
+        assert_true(plain_runs > 10);
         fixture_destroy(a);
         fixture_destroy(b);
     }
