@@ -66,10 +66,10 @@ static void values_of(const struct mns_param *row, char *out, size_t size)
     }
 }
 
-static void print_parameters(FILE *out)
+/* Every parameter, with a heading before each group, in one of two notations. */
+static void list_parameters(FILE *out, bool markdown)
 {
     const char *group = "";
-    fprintf(out, "\nParameters for --set NAME=VALUE and look files (default; range or choices; r: splat radius, L: the fluid's size):\n");
     for (size_t i = 0; i < mns_param_count(); i++) {
         const struct mns_param *row = mns_param_info(i);
         char value[96], values[128];
@@ -77,10 +77,20 @@ static void print_parameters(FILE *out)
         values_of(row, values, sizeof(values));
         if (strcmp(group, row->group) != 0) {
             group = row->group;
-            fprintf(out, " %s\n", group);
+            fprintf(out, markdown ? "\n### %s\n\n| name | default | values | meaning |\n|---|---|---|---|\n" : " %s\n", group);
         }
-        fprintf(out, "  %-20s %s (%s; %s)\n", row->name, row->help, value, values);
+        if (markdown) {
+            fprintf(out, "| `%s` | %s | %s | %s |\n", row->name, value, values, row->help);
+        } else {
+            fprintf(out, "  %-20s %s (%s; %s)\n", row->name, row->help, value, values);
+        }
     }
+}
+
+static void print_parameters(FILE *out)
+{
+    fprintf(out, "\nParameters for --set NAME=VALUE and look files (default; range or choices; r: splat radius, L: the fluid's size):\n");
+    list_parameters(out, false);
 }
 
 void options_help(FILE *out, enum command command)
@@ -131,22 +141,11 @@ static void markdown_options(FILE *out, enum command command)
 
 static void markdown_parameters(FILE *out)
 {
-    const char *group = "";
     fprintf(out, "\n## Parameters\n\nFor `--set NAME=VALUE`, look files and `mns_params_set`. Lengths in r are multiples of the splat "
                  "radius R = radius * "
                  "radius_scale,\nlengths in L of the fluid's own size, the cube root of its rest volume. Colours are linear R,G,B, or "
                  "RRGGBB in sRGB.\n");
-    for (size_t i = 0; i < mns_param_count(); i++) {
-        const struct mns_param *row = mns_param_info(i);
-        char value[96], values[128];
-        default_of(row, value, sizeof(value));
-        values_of(row, values, sizeof(values));
-        if (strcmp(group, row->group) != 0) {
-            group = row->group;
-            fprintf(out, "\n### %s\n\n| name | default | values | meaning |\n|---|---|---|---|\n", group);
-        }
-        fprintf(out, "| `%s` | %s | %s | %s |\n", row->name, value, values, row->help);
-    }
+    list_parameters(out, true);
 }
 
 void options_markdown(FILE *out)

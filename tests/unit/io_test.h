@@ -14,6 +14,8 @@
 #include <cmocka.h>
 #include <meniscus/io.h>
 
+#include "core/attr.h"
+
 /* Bytes that grow at the end. */
 struct blob {
     uint8_t data[16384];
@@ -85,65 +87,17 @@ static inline void refuses(const void *data, size_t size, const char *name, cons
     mns_result result = mns_particle_set_read_memory(&set, copy, size, name, params, &message);
     free(copy);
     assert_null(set);
-    if (result != code || !strstr(message.text, words) || strncmp(message.text, name, strlen(name)) != 0)
+    if (result != code || !strstr(message.text, words) || strncmp(message.text, name, strlen(name)) != 0) {
         fail_msg("wanted code %d with '%s', got %d: '%s'", code, words, result, message.text);
+    }
 }
 
 /* Component c of particle i. */
 static inline double value_of(struct mns_attr attr, size_t i, int c)
 {
-    const uint8_t *p = (const uint8_t *)attr.data + i * attr.stride + (size_t)c * mns_type_size(attr.type);
     assert_non_null(attr.data);
-    switch (attr.type) {
-    case MNS_F32: {
-        float v;
-        memcpy(&v, p, sizeof(v));
-        return (double)v;
-    }
-    case MNS_F64: {
-        double v;
-        memcpy(&v, p, sizeof(v));
-        return v;
-    }
-    case MNS_I8: {
-        int8_t v;
-        memcpy(&v, p, sizeof(v));
-        return v;
-    }
-    case MNS_U8: return *p;
-    case MNS_I16: {
-        int16_t v;
-        memcpy(&v, p, sizeof(v));
-        return v;
-    }
-    case MNS_U16: {
-        uint16_t v;
-        memcpy(&v, p, sizeof(v));
-        return v;
-    }
-    case MNS_I32: {
-        int32_t v;
-        memcpy(&v, p, sizeof(v));
-        return v;
-    }
-    case MNS_U32: {
-        uint32_t v;
-        memcpy(&v, p, sizeof(v));
-        return v;
-    }
-    case MNS_I64: {
-        int64_t v;
-        memcpy(&v, p, sizeof(v));
-        return (double)v;
-    }
-    case MNS_U64: {
-        uint64_t v;
-        memcpy(&v, p, sizeof(v));
-        return (double)v;
-    }
-    }
-    fail();
-    return 0.0;
+    assert_true(attr.stride > 0);
+    return mns_attr_get(&attr, attr.type, c + 1, i, c);
 }
 
 static inline const struct mns_attribute *find_attribute(const mns_particle_set *set, const char *name)
