@@ -14,9 +14,16 @@ extern "C" {
 
 enum mns_filter {
     MNS_FILTER_NONE = 0,
-    MNS_FILTER_NARROW_RANGE = 1,           /* [TY18] 2-D */
-    MNS_FILTER_NARROW_RANGE_1D = 2,        /* [TY18] rows and columns in turn */
-    MNS_FILTER_NARROW_RANGE_1D_CLEANUP = 3 /* the same, then one 5x5 pass */
+    MNS_FILTER_NARROW_RANGE = 1,            /* [TY18] 2-D */
+    MNS_FILTER_NARROW_RANGE_1D = 2,         /* [TY18] rows and columns in turn */
+    MNS_FILTER_NARROW_RANGE_1D_CLEANUP = 3, /* the same, then one 5x5 pass */
+    MNS_FILTER_GAUSSIAN = 4,                /* rows and columns in turn, across edges too */
+    MNS_FILTER_BILATERAL = 5,               /* 2-D */
+    MNS_FILTER_BILATERAL_1D = 6,            /* [LGS09] table 2: rows and columns in turn */
+    MNS_FILTER_CURVATURE_FLOW = 7,          /* [LGS09] 3.2 */
+    MNS_FILTER_ADAPTIVE_CURVATURE_FLOW = 8, /* [BSW10] 4 */
+    MNS_FILTER_IMPLICIT_CURVATURE_FLOW = 9, /* semi-implicit, in few steps */
+    MNS_FILTER_PLANE_FIT = 10               /* Imai and others 2016, as compared in [TY18] */
 };
 
 enum mns_display {
@@ -62,8 +69,10 @@ struct mns_params {
 
     /* Smoothing. */
     int filter;           /* enum mns_filter */
-    int iterations;       /* N: N times rows + columns, or N 2-D passes */
+    int iterations;       /* N: N times rows + columns, N 2-D passes, or N steps of a flow; 0 (auto): by the filter */
     float sigma;          /* r: [TY18] eq. 5 */
+    float flow_sigma;     /* r: standard deviation of all that adaptive and implicit flow smooth, at every distance */
+    float flow_step;      /* step of the explicit flows; 0.5: the largest that is stable at the fluid's middle */
     float delta;          /* r: [TY18] eq. 2, 6 */
     float mu;             /* r: [TY18] eq. 2; at most delta */
     float kernel_cut;     /* sigmas at which the kernel ends, its weight there subtracted */

@@ -118,6 +118,26 @@ static mns_result check_scene(const struct mns_frame *in, struct mns_message *me
     return result;
 }
 
+static int default_iterations(int filter)
+{
+    switch (filter) {
+    case MNS_FILTER_CURVATURE_FLOW: return 100;          /* [LGS09] table 1, at full resolution */
+    case MNS_FILTER_ADAPTIVE_CURVATURE_FLOW: return 256; /* at most, as in the authors' program */
+    case MNS_FILTER_IMPLICIT_CURVATURE_FLOW: return 4;
+    default: return 3;
+    }
+}
+
+/* Of the middle of the particles' bounds; of the near plane where that is behind the eye. */
+static float reference_depth(const struct view *view, const struct particle_facts *facts)
+{
+    float depth = view->translation[2];
+    for (int i = 0; i < 3; i++) {
+        depth += view->rotation[6 + i] * 0.5f * (facts->bounds_min[i] + facts->bounds_max[i]);
+    }
+    return depth > view->near_plane ? depth : view->near_plane;
+}
+
 /* Radii, rest volumes, and what follows from the fluid's size. */
 static void resolve_sizes(struct frame *out)
 {
@@ -206,6 +226,10 @@ mns_result mns_frame_resolve(struct frame *out, const struct mns_frame *in, cons
     }
     if (result == MNS_OK) {
         out->scene = in->scene;
+        if (out->params.iterations == 0) {
+            out->params.iterations = default_iterations(out->params.filter);
+        }
+        out->depth_reference = reference_depth(&out->view, facts);
         resolve_sizes(out);
         resolve_look(out);
     }

@@ -44,7 +44,7 @@ struct scene_look {
 
 struct frame {
     struct view view;
-    struct mns_params params; /* checked */
+    struct mns_params params; /* checked; iterations is never auto */
     const struct particle_facts *facts;
     const struct mns_scene *scene; /* the caller's, or NULL */
     struct scene_look look;
@@ -52,6 +52,7 @@ struct frame {
     size_t output_count;
     unsigned wanted; /* bit 1 << layer for each output */
 
+    float depth_reference; /* depth of the middle of the particles' bounds, metres, > 0: where explicit flows measure their step */
     float splat_radius;    /* R, metres: the splat radius, and the unit of the filters' lengths; of the median particle */
     float splat_scale;     /* R_i = splat_scale * radius_i; 0: every particle has splat_radius */
     float volume;          /* V, m^3: the rest volume of every particle, unless one of the next two is not 0 */

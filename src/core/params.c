@@ -9,7 +9,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char *const filters[] = {"none", "narrow-range", "narrow-range-1d", "narrow-range-1d-cleanup", NULL};
+static const char *const filters[] = {
+    "none",         "narrow-range",   "narrow-range-1d",         "narrow-range-1d-cleanup", "gaussian",  "bilateral",
+    "bilateral-1d", "curvature-flow", "adaptive-curvature-flow", "implicit-curvature-flow", "plane-fit", NULL};
 static const char *const displays[] = {"beauty", "opaque", "spheres", "normal", "depth", "thickness", "curvature", NULL};
 static const char *const thickness_modes[] = {"volume", "chord", NULL};
 static const char *const thickness_scales[] = {"auto", "1", "2", "", "4", NULL}; /* index = value; "" is no choice */
@@ -48,9 +50,15 @@ static const struct mns_param table[] = {
      .help = "sigma of the Gaussian that smooths thickness and colour; 0: off"},
 
     {ENUM(filter, filters, MNS_FILTER_NARROW_RANGE_1D_CLEANUP), .unit = "", .group = "smoothing", .help = "how the depth is smoothed"},
-    {INT(iterations, 1, 100, 3), .unit = "", .group = "smoothing", .help = "N times rows and columns, or N passes of a 2-D filter"},
+    {INT(iterations, 1, 1000, 0), AUTO, .unit = "", .group = "smoothing",
+     .help = "N times rows and columns, N passes of a 2-D filter, or N steps of a flow; auto: 3, of curvature-flow 100, of "
+             "adaptive-curvature-flow at most 256, of implicit-curvature-flow 4"},
     {FLOAT(sigma, 0.01, 20, 0.9), .unit = "r", .group = "smoothing",
      .help = "sigma of the kernel in world space ([TY18] eq. 5); cut at 2 sigma, 0.9 has the standard deviation of an uncut 0.7"},
+    {FLOAT(flow_sigma, 0.01, 20, 1.2), .unit = "r", .group = "smoothing",
+     .help = "standard deviation of all that adaptive-curvature-flow and implicit-curvature-flow smooth, at every distance"},
+    {FLOAT(flow_step, 0.01, 0.5, 0.5), .unit = "", .group = "smoothing",
+     .help = "step of curvature-flow and adaptive-curvature-flow; 0.5: the largest that is stable at the depth of the fluid's middle"},
     {FLOAT(delta, 0.1, 1000, 10), .unit = "r", .group = "smoothing", .help = "depth range that is smoothed together ([TY18] eq. 2 and 6)"},
     {FLOAT(mu, 0, 1000, 1), .unit = "r", .group = "smoothing",
      .help = "how far behind a pixel what lies beyond delta counts, which rounds the rim ([TY18] eq. 2); at most delta"},
@@ -320,8 +328,13 @@ mns_result mns_params_set(struct mns_params *params, const char *name, const cha
     return MNS_OK;
 }
 
-/* Whether a value of a row is the table's auto. */
-static bool is_auto(const struct mns_param *row, const float *values) { return row->has_auto && values[0] == (float)row->defaults[0]; }
+/* Whether a row's value is the table's auto. */
+static bool is_auto(const struct mns_params *params, const struct mns_param *row)
+{
+    bool is_default =
+        row->type == MNS_PARAM_FLOAT ? floats_of(params, row)[0] == (float)row->defaults[0] : int_of(params, row) == (int)row->defaults[0];
+    return row->has_auto && is_default;
+}
 
 /* The shortest decimal that reads back as the same float. text: [32] */
 static const char *shortest(float value, char *text)
@@ -345,11 +358,11 @@ int mns_params_get(const struct mns_params *params, const char *name, char *text
     if (!row) {
         return -1;
     }
+    if (is_auto(params, row)) {
+        return snprintf(text, size, "auto");
+    }
     if (row->type == MNS_PARAM_FLOAT) {
         const float *v = floats_of(params, row);
-        if (is_auto(row, v)) {
-            return snprintf(text, size, "auto");
-        }
         char a[32], b[32], c[32];
         return row->components == 3 ? snprintf(text, size, "%s,%s,%s", shortest(v[0], a), shortest(v[1], b), shortest(v[2], c))
                                     : snprintf(text, size, "%s", shortest(v[0], a));
@@ -370,9 +383,12 @@ mns_result mns_params_check(const struct mns_params *params, struct mns_message 
         const struct mns_param *row = &table[i];
         char text[96];
         mns_params_get(params, row->name, text, sizeof(text));
+        if (is_auto(params, row)) {
+            continue;
+        }
         if (row->type == MNS_PARAM_FLOAT) {
             const float *v = floats_of(params, row);
-            for (int k = 0; k < row->components && !is_auto(row, v); k++) {
+            for (int k = 0; k < row->components; k++) {
                 /* the bounds as floats: 0.1 must be allowed where the table says 0.1 */
                 if (!(v[k] >= (float)row->minimum && v[k] <= (float)row->maximum)) {
                     return fail_range(message, row, text);

@@ -38,17 +38,17 @@ static float depth_of(int kind, int x, int y, float delta)
 }
 
 /* sigma: pixels at a depth of 3. */
-static struct narrow_range filter_of(float delta, float sigma, bool orthographic, bool at_lens, int mode)
+static struct window_filter filter_of(float delta, float sigma, bool orthographic, bool at_lens, int mode)
 {
     float cut = mode & 4 ? 3 : 2, inverse = orthographic ? 1 / sigma : 1 / (3 * sigma);
-    struct narrow_range filter = {.delta = delta,
-                                  .mu = mode & 8 ? 0 : 0.1f * delta,
-                                  .grow = mode & 1 ? delta : -RANGE_FIXED,
-                                  .cut = cut,
-                                  .weight_cut = expf(-0.5f * cut * cut),
-                                  .sigma_max = (float)(PLANE_BORDER - 1) / cut,
-                                  .bias_correction = (mode & 2) != 0,
-                                  .at_lens = at_lens};
+    struct window_filter filter = {.delta = delta,
+                                   .mu = mode & 8 ? 0 : 0.1f * delta,
+                                   .grow = mode & 1 ? delta : -RANGE_FIXED,
+                                   .cut = cut,
+                                   .weight_cut = expf(-0.5f * cut * cut),
+                                   .sigma_max = (float)(PLANE_BORDER - 1) / cut,
+                                   .bias_correction = (mode & 2) != 0,
+                                   .at_lens = at_lens};
     for (int axis = 0; axis < 2; axis++) { /* pixels that are no squares */
         filter.inverse[axis].slope = orthographic ? 0 : inverse * (axis ? 1.1f : 1);
         filter.inverse[axis].offset = orthographic ? inverse * (axis ? 1.1f : 1) : 0;
@@ -111,8 +111,7 @@ static struct depth_range range_of(const float *in, ptrdiff_t stride)
 }
 
 /* Runs both on all blocks; returns how many pixels are out of tolerance (cpu/smooth/narrow_range.h). */
-static int compare(struct planes *planes, narrow_range_function *expected, narrow_range_function *got, const struct narrow_range *filter,
-                   int axis)
+static int compare(struct planes *planes, window_function *expected, window_function *got, const struct window_filter *filter, int axis)
 {
     int apart = 0;
     ptrdiff_t stride = planes->in.plane.stride;
@@ -143,7 +142,7 @@ static int compare(struct planes *planes, narrow_range_function *expected, narro
 }
 
 static void compare_all(struct planes *planes, const struct narrow_range_kernels *a, const struct narrow_range_kernels *b,
-                        const struct narrow_range *filter, bool plain)
+                        const struct window_filter *filter, bool plain)
 {
     /* samples within rounding of a bound: less than one in 10000 pixels */
     int allowed = WIDTH * HEIGHT / 10000 + 1;
@@ -169,7 +168,7 @@ static void test_every_instruction_set_is_plain_c(void **state)
             float delta = i % 3 ? 0.1f : 0.7f;
             int kind = i % 7; /* with another sigma and mode each time */
             fill(*state, kind, delta, kind == 6 || i >= 28);
-            struct narrow_range filter = filter_of(delta, sigmas[i % 5], i & 16, kind == 2 || kind == 5, i % 16);
+            struct window_filter filter = filter_of(delta, sigmas[i % 5], i & 16, kind == 2 || kind == 5, i % 16);
             compare_all(*state, scalar, kernels->smooth->narrow_range, &filter, false);
         }
     }
@@ -183,7 +182,7 @@ static void test_plain_kernels_are_the_others_where_they_apply(void **state)
     for (int isa = MNS_ISA_SCALAR; isa <= MNS_ISA_NEON; isa++) {
         const struct kernels *kernels = mns_kernels_get((enum mns_isa)isa);
         for (int i = 0; kernels && i < 8; i++) {
-            struct narrow_range filter = filter_of(0.1f, i & 4 ? 25.0f : 4.3f, i & 2, false, 1 | (i & 1) << 1 | (i & 4));
+            struct window_filter filter = filter_of(0.1f, i & 4 ? 25.0f : 4.3f, i & 2, false, 1 | (i & 1) << 1 | (i & 4));
             const struct narrow_range_kernels *vector = kernels->smooth->narrow_range;
             assert_int_equal(compare(planes, vector->line, vector->line_plain, &filter, AXIS_X), 0);
             assert_int_equal(compare(planes, vector->line, vector->line_plain, &filter, AXIS_Y), 0);

@@ -57,6 +57,7 @@ static struct fixture *fixture_create(int width, int height, enum mns_isa isa, i
     fixture->cpu.host = (struct backend_host){
         .memory = &fixture->memory, .parallel = {run_jobs, fixture->pool}, .threads = threads, .message = &fixture->message};
     mns_params_init(&fixture->frame.params);
+    fixture->frame.params.iterations = 3;
     fixture->frame.params.sigma = 0.7f; /* what the scenes here are worked out for */
     fixture->frame.splat_radius = R;
     fixture->frame.view = (struct view){.width = width, .height = height, .fx = FOCAL, .fy = FOCAL};
@@ -507,13 +508,13 @@ static float calm_and_splashes(const struct fixture *fixture, int x, int y)
 static struct narrow_range_kernels counted;
 static int plain_runs;
 
-static struct depth_range count_line(const struct narrow_range *filter, const struct depth_block *block, int axis)
+static struct depth_range count_line(const struct window_filter *filter, const struct depth_block *block, int axis)
 {
     plain_runs++;
     return counted.line_plain(filter, block, axis);
 }
 
-static struct depth_range count_disc(const struct narrow_range *filter, const struct depth_block *block, int axis)
+static struct depth_range count_disc(const struct window_filter *filter, const struct depth_block *block, int axis)
 {
     plain_runs++;
     return counted.disc_plain(filter, block, axis);

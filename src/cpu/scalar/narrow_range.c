@@ -3,7 +3,7 @@
  * Based on: [TY18] Truong, Yuksel, "A Narrow-Range Filter for Screen-Space Fluid Rendering", 2018. */
 #include "cpu/smooth/narrow_range.h"
 
-#include <math.h>
+#include "cpu/scalar/window.h"
 
 /* What a sample's depth, relative to the pixel's, may be: eq. 7 with -near for delta_high and far for delta_low. */
 struct bounds {
@@ -11,14 +11,14 @@ struct bounds {
     float floor; /* near stays above it, so that what is outside the picture (0) is too near however wide the range grew */
 };
 
-static struct bounds bounds_start(const struct narrow_range *filter, float depth)
+static struct bounds bounds_start(const struct window_filter *filter, float depth)
 {
     float floor = -0.999999f * depth;
     return (struct bounds){.near = greater(-filter->delta, floor), .far = filter->delta, .floor = floor};
 }
 
 /* Eq. 8, 9: a sample in range widens it. */
-static void bounds_widen(const struct narrow_range *filter, struct bounds *bounds, float sample)
+static void bounds_widen(const struct window_filter *filter, struct bounds *bounds, float sample)
 {
     bounds->near = greater(lesser(bounds->near, sample - filter->grow), bounds->floor);
     bounds->far = greater(bounds->far, sample + filter->grow);
@@ -30,13 +30,13 @@ struct mean {
 };
 
 /* What takes a sample's mirror with it: too near a sample, with bias correction (eq. 6); else (eq. 3) only what is outside the picture. */
-static float pair_bound(const struct narrow_range *filter, const struct bounds *bounds)
+static float pair_bound(const struct window_filter *filter, const struct bounds *bounds)
 {
     return filter->bias_correction ? bounds->near : bounds->floor;
 }
 
 /* A sample and its mirror, relative to the pixel's depth. */
-static void mean_add(const struct narrow_range *filter, struct mean *mean, float weight, float a, const struct bounds *bounds_a, float b,
+static void mean_add(const struct window_filter *filter, struct mean *mean, float weight, float a, const struct bounds *bounds_a, float b,
                      const struct bounds *bounds_b)
 {
     float weight_a = a < bounds_a->near || b < pair_bound(filter, bounds_b) ? 0 : weight;
@@ -49,32 +49,13 @@ static void mean_add(const struct narrow_range *filter, struct mean *mean, float
 
 static bool in_range(const struct bounds *bounds, float sample) { return sample >= bounds->near && sample <= bounds->far; }
 
-/* The Gaussian at 1, 2, 3 ... pixels without an exponential each: exp(-a i^2) times exp(-a (2i + 1)) is the next, and that ratio falls
- * by exp(-2a). fall = 1 - exp(-2a) is exact where sigma is large, and so is what is stepped by it. */
-struct gaussian {
-    float weight, ratio, fall;
-};
-
-static struct gaussian gaussian_start(float sigma)
-{
-    float h = -expm1f(-0.5f / (sigma * sigma));
-    float fall = h * (2 - h);
-    return (struct gaussian){.weight = 1 - h, .ratio = (1 - h) * (1 - fall), .fall = fall};
-}
-
-static void gaussian_step(struct gaussian *g)
-{
-    g->weight *= g->ratio;
-    g->ratio -= g->ratio * g->fall;
-}
-
-static float line_pixel(const struct narrow_range *filter, const float *in, ptrdiff_t step, int axis)
+static float line_pixel(const struct window_filter *filter, const float *in, ptrdiff_t step, int axis)
 {
     float depth = *in;
     struct bounds ahead = bounds_start(filter, depth), behind = ahead;
     struct mean mean = {.weights = 1 - filter->weight_cut};
-    int reach = narrow_range_reach(filter, axis, depth);
-    struct gaussian g = gaussian_start(narrow_range_sigma(filter, axis, depth));
+    int reach = window_reach(filter, axis, depth);
+    struct gaussian g = gaussian_start(window_sigma(filter, axis, depth));
     for (ptrdiff_t i = 1; i <= reach; i++, gaussian_step(&g)) {
         float a = in[i * step] - depth, b = in[-i * step] - depth;
         mean_add(filter, &mean, greater(g.weight - filter->weight_cut, 0), a, &ahead, b, &behind);
@@ -88,11 +69,11 @@ static float line_pixel(const struct narrow_range *filter, const float *in, ptrd
     return depth + mean.sum / mean.weights;
 }
 
-static float line_plain_pixel(const struct narrow_range *filter, const float *in, ptrdiff_t step, int axis)
+static float line_plain_pixel(const struct window_filter *filter, const float *in, ptrdiff_t step, int axis)
 {
     struct mean mean = {.weights = 1 - filter->weight_cut};
-    int reach = narrow_range_reach(filter, axis, *in);
-    struct gaussian g = gaussian_start(narrow_range_sigma(filter, axis, *in));
+    int reach = window_reach(filter, axis, *in);
+    struct gaussian g = gaussian_start(window_sigma(filter, axis, *in));
     for (ptrdiff_t i = 1; i <= reach; i++, gaussian_step(&g)) {
         float weight = greater(g.weight - filter->weight_cut, 0);
         mean.sum += weight * ((in[i * step] - *in) + (in[-i * step] - *in));
@@ -110,7 +91,7 @@ struct disc {
     struct mean mean;
 };
 
-static void disc_add(const struct narrow_range *filter, struct disc *disc, float weight, float a, float b)
+static void disc_add(const struct window_filter *filter, struct disc *disc, float weight, float a, float b)
 {
     a -= disc->depth;
     b -= disc->depth;
@@ -123,26 +104,16 @@ static void disc_add(const struct narrow_range *filter, struct disc *disc, float
     }
 }
 
-static struct disc disc_start(const struct narrow_range *filter, float depth, float own_weight)
+static struct disc disc_start(const struct window_filter *filter, float depth, float own_weight)
 {
     struct bounds bounds = bounds_start(filter, depth);
     return (struct disc){.depth = depth, .bounds = bounds, .next = bounds, .mean = {.weights = own_weight}};
 }
 
-/* exp(-i^2 / (2 sigma^2)), i from 0 to reach, along one axis. */
-static void gaussian_table(const struct narrow_range *filter, int axis, float depth, int reach, float table[PLANE_BORDER])
-{
-    struct gaussian g = gaussian_start(narrow_range_sigma(filter, axis, depth));
-    table[0] = 1;
-    for (int i = 1; i <= reach; i++, gaussian_step(&g)) {
-        table[i] = g.weight;
-    }
-}
-
-static float disc_pixel(const struct narrow_range *filter, const float *in, ptrdiff_t stride, int axis)
+static float disc_pixel(const struct window_filter *filter, const float *in, ptrdiff_t stride, int axis)
 {
     (void)axis;
-    int reach_x = narrow_range_reach(filter, AXIS_X, *in), reach_y = narrow_range_reach(filter, AXIS_Y, *in);
+    int reach_x = window_reach(filter, AXIS_X, *in), reach_y = window_reach(filter, AXIS_Y, *in);
     int reach = reach_x > reach_y ? reach_x : reach_y;
     float along_x[PLANE_BORDER], along_y[PLANE_BORDER];
     gaussian_table(filter, AXIS_X, *in, reach, along_x);
@@ -162,7 +133,7 @@ static float disc_pixel(const struct narrow_range *filter, const float *in, ptrd
     return disc.depth + disc.mean.sum / disc.mean.weights;
 }
 
-static float square_pixel(const struct narrow_range *filter, const float *in, ptrdiff_t stride, int axis)
+static float square_pixel(const struct window_filter *filter, const float *in, ptrdiff_t stride, int axis)
 {
     (void)axis;
     struct disc disc = disc_start(filter, *in, filter->square[0][0]);
@@ -178,42 +149,22 @@ static float square_pixel(const struct narrow_range *filter, const float *in, pt
     return disc.depth + disc.mean.sum / disc.mean.weights;
 }
 
-typedef float pixel_function(const struct narrow_range *filter, const float *in, ptrdiff_t step, int axis);
-
-/* step: from tap to tap, or from row to row. */
-static struct depth_range each_pixel(const struct narrow_range *filter, const struct depth_block *block, ptrdiff_t step, int axis,
-                                     pixel_function *pixel)
-{
-    struct depth_range range = {DEPTH_EMPTY, 0};
-    const float *in = block->in;
-    float *out = block->out;
-    for (int y = 0; y < BLOCK_HEIGHT; y++, in += block->stride, out += block->stride) {
-        for (int x = 0; x < BLOCK_WIDTH; x++) {
-            bool fluid = in[x] > 0 && in[x] < DEPTH_LIMIT;
-            out[x] = fluid ? pixel(filter, in + x, step, axis) : in[x];
-            range.min = in[x] > 0 ? lesser(range.min, out[x]) : range.min;
-            range.max = greater(range.max, out[x]);
-        }
-    }
-    return range;
-}
-
-static struct depth_range line(const struct narrow_range *filter, const struct depth_block *block, int axis)
+static struct depth_range line(const struct window_filter *filter, const struct depth_block *block, int axis)
 {
     return each_pixel(filter, block, axis == AXIS_X ? 1 : block->stride, axis, line_pixel);
 }
 
-static struct depth_range line_plain(const struct narrow_range *filter, const struct depth_block *block, int axis)
+static struct depth_range line_plain(const struct window_filter *filter, const struct depth_block *block, int axis)
 {
     return each_pixel(filter, block, axis == AXIS_X ? 1 : block->stride, axis, line_plain_pixel);
 }
 
-static struct depth_range disc(const struct narrow_range *filter, const struct depth_block *block, int axis)
+static struct depth_range disc(const struct window_filter *filter, const struct depth_block *block, int axis)
 {
     return each_pixel(filter, block, block->stride, axis, disc_pixel);
 }
 
-static struct depth_range square(const struct narrow_range *filter, const struct depth_block *block, int axis)
+static struct depth_range square(const struct window_filter *filter, const struct depth_block *block, int axis)
 {
     return each_pixel(filter, block, block->stride, axis, square_pixel);
 }

@@ -4,74 +4,7 @@
  * filtered together, since one alone leaves the processor waiting for its results. */
 #include "cpu/smooth/narrow_range.h"
 
-#include "cpu/simd.h"
-
-/* VLEN pixels of one row; lanes without fluid run along with some depth. */
-struct pixels {
-    vf input, depth;
-    vm fluid;
-};
-
-SIMD struct pixels pixels_load(const float *in, float any_depth)
-{
-    vf input = vf_load(in);
-    vm fluid = vm_and(vf_gt(input, vf_zero()), vf_lt(input, vf_set1(DEPTH_LIMIT)));
-    return (struct pixels){input, vf_select(fluid, input, vf_set1(any_depth)), fluid};
-}
-
-/* Least and greatest of what was written to a block. */
-struct extent {
-    vf min, max;
-};
-
-SIMD struct extent extent_start(void) { return (struct extent){vf_set1(DEPTH_EMPTY), vf_zero()}; }
-
-SIMD void pixels_store(const struct pixels *pixels, vf result, float *out, struct extent *extent)
-{
-    result = vf_select(pixels->fluid, result, pixels->input);
-    vf_store(out, result);
-    extent->min = vf_mask_min(extent->min, vf_gt(pixels->input, vf_zero()), result);
-    extent->max = vf_max(extent->max, result);
-}
-
-SIMD struct depth_range extent_range(const struct extent *extent)
-{
-    return (struct depth_range){vf_reduce_min(extent->min), vf_reduce_max(extent->max)};
-}
-
-/* 1 / sigma in pixels: 1 / narrow_range_sigma. Bounded so that its square is finite. */
-SIMD vf inverse_sigma(const struct narrow_range *filter, int axis, vf depth)
-{
-    vf inverse = vf_fma(depth, vf_set1(filter->inverse[axis].slope), vf_set1(filter->inverse[axis].offset));
-    vf sigma_max = vf_set1(filter->sigma_max), bend = sigma_max * inverse;
-    vf bent = vf_rcp(vf_fnma(sigma_max * bend, vf_set1(0.25f), sigma_max));
-    return vf_min(vf_select(vf_lt(bend, vf_set1(2.0f)), bent, inverse), vf_set1(1e18f));
-}
-
-/* a in exp(-a i^2). */
-SIMD vf exponent(const struct narrow_range *filter, int axis, vf depth)
-{
-    vf inverse = inverse_sigma(filter, axis, depth);
-    return inverse * inverse * vf_set1(0.5f);
-}
-
-/* The Gaussian at 1, 2, 3 ... pixels, as in plain C. */
-struct gaussian {
-    vf weight, ratio, fall;
-};
-
-SIMD struct gaussian gaussian_start(vf exponent)
-{
-    vf one = vf_set1(1.0f), h = -vf_expm1(-exponent);
-    vf fall = h * (vf_set1(2.0f) - h);
-    return (struct gaussian){.weight = one - h, .ratio = (one - h) * (one - fall), .fall = fall};
-}
-
-SIMD void gaussian_step(struct gaussian *g)
-{
-    g->weight = g->weight * g->ratio;
-    g->ratio = vf_fnma(g->ratio, g->fall, g->ratio);
-}
+#include "cpu/simd/window.h"
 
 /* What a block needs of the filter; each combination is compiled by itself. */
 enum need {
@@ -94,21 +27,7 @@ enum need {
     default: return function(__VA_ARGS__, NEED_ALL_SINGLE);                                                                                \
     }
 
-/* The farthest fluid of a block. */
-SIMD float farthest_fluid(const struct depth_block *block)
-{
-    if (block->range.max < DEPTH_LIMIT) {
-        return block->range.max;
-    }
-    vf farthest = vf_zero();
-    for (int i = 0; i < BLOCK_HEIGHT * BLOCK_WIDTH; i += VLEN) {
-        vf depth = vf_load(block->in + i / BLOCK_WIDTH * block->stride + i % BLOCK_WIDTH);
-        farthest = vf_mask_max(farthest, vf_lt(depth, vf_set1(DEPTH_LIMIT)), depth);
-    }
-    return vf_reduce_max(farthest);
-}
-
-SIMD int need_of(const struct narrow_range *filter, const struct depth_block *block)
+SIMD int need_of(const struct window_filter *filter, const struct depth_block *block)
 {
     if (!filter->bias_correction || filter->at_lens) {
         return filter->bias_correction ? NEED_ALL_PAIRS : NEED_ALL_SINGLE;
@@ -123,7 +42,7 @@ struct constants {
     int need;
 };
 
-SIMD struct constants constants_of(const struct narrow_range *filter, int need)
+SIMD struct constants constants_of(const struct window_filter *filter, int need)
 {
     return (struct constants){vf_set1(filter->grow), vf_set1(filter->weight_cut), need};
 }
@@ -135,7 +54,7 @@ struct centre {
     vf depth, base, floor;
 };
 
-SIMD struct centre centre_of(const struct narrow_range *filter, vf depth)
+SIMD struct centre centre_of(const struct window_filter *filter, vf depth)
 {
     vf base = depth + vf_set1(filter->mu);
     return (struct centre){depth, base, base * vf_set1(-0.999999f)};
@@ -146,7 +65,7 @@ struct bounds {
     vf near, far;
 };
 
-SIMD struct bounds bounds_start(const struct narrow_range *filter, const struct centre *centre)
+SIMD struct bounds bounds_start(const struct window_filter *filter, const struct centre *centre)
 {
     return (struct bounds){vf_max(vf_set1(-filter->delta - filter->mu), centre->floor), vf_set1(filter->delta - filter->mu)};
 }
@@ -222,7 +141,7 @@ struct line {
     struct gaussian g;
 };
 
-SIMD struct line line_start(const struct narrow_range *filter, vf depth, const float *at, int axis)
+SIMD struct line line_start(const struct window_filter *filter, vf depth, const float *at, int axis)
 {
     struct centre centre = centre_of(filter, depth);
     struct bounds bounds = bounds_start(filter, &centre);
@@ -240,13 +159,13 @@ SIMD void line_tap(struct line *line, ptrdiff_t tap, const struct constants *con
 }
 
 /* Two rows at once where their state fits the registers. */
-SIMD struct depth_range line_block(const struct narrow_range *filter, const struct depth_block *block, int axis, int need)
+SIMD struct depth_range line_block(const struct window_filter *filter, const struct depth_block *block, int axis, int need)
 {
     enum { ROWS = VLEN == 16 ? 2 : 1 };
     struct constants constants = constants_of(filter, need);
     struct extent extent = extent_start();
     ptrdiff_t stride = block->stride, step = axis == AXIS_X ? 1 : stride;
-    ptrdiff_t reach = narrow_range_reach(filter, axis, block->range.min) * step;
+    ptrdiff_t reach = window_reach(filter, axis, block->range.min) * step;
     float own_weight = 1.0f - filter->weight_cut;
     for (int y = 0; y < BLOCK_HEIGHT; y += ROWS) {
         for (int x = 0; x < BLOCK_WIDTH; x += VLEN) {
@@ -270,7 +189,7 @@ SIMD struct depth_range line_block(const struct narrow_range *filter, const stru
     return extent_range(&extent);
 }
 
-static struct depth_range line(const struct narrow_range *filter, const struct depth_block *block, int axis)
+static struct depth_range line(const struct window_filter *filter, const struct depth_block *block, int axis)
 {
     FOR_NEED(filter, block, line_block, filter, block, axis)
 }
@@ -285,11 +204,11 @@ struct expansion {
     float total[3];                       /* sums of weight over whole */
 };
 
-SIMD void expansion_of(const struct narrow_range *filter, const struct depth_block *block, int axis, struct expansion *e)
+SIMD void expansion_of(const struct window_filter *filter, const struct depth_block *block, int axis, struct expansion *e)
 {
-    float widest = narrow_range_sigma(filter, axis, block->range.min), narrowest = narrow_range_sigma(filter, axis, block->range.max);
+    float widest = window_sigma(filter, axis, block->range.min), narrowest = window_sigma(filter, axis, block->range.max);
     e->exponent = 0.25f / (widest * widest) + 0.25f / (narrowest * narrowest);
-    e->reach = narrow_range_reach(filter, axis, block->range.min);
+    e->reach = window_reach(filter, axis, block->range.min);
     int whole = (int)(0.999f * filter->cut * narrowest); /* 0.999: clear of rounding */
     e->whole = whole < e->reach ? whole : e->reach;
     vf total0 = vf_zero(), total1 = total0, total2 = total0;
@@ -336,7 +255,7 @@ SIMD void plain_line_tap(struct plain_line *line, ptrdiff_t tap, vf weight0, vf 
 }
 
 /* The taps at which some kernels end, and the mean. */
-SIMD vf plain_line_end(const struct narrow_range *filter, const struct plain_line *line, const struct expansion *e, ptrdiff_t step,
+SIMD vf plain_line_end(const struct window_filter *filter, const struct plain_line *line, const struct expansion *e, ptrdiff_t step,
                        int axis)
 {
     vf depth = line->twice_depth * vf_set1(0.5f), off = exponent(filter, axis, depth) - vf_set1(e->exponent);
@@ -351,7 +270,7 @@ SIMD vf plain_line_end(const struct narrow_range *filter, const struct plain_lin
     return vf_fma(sum, vf_rcp(vf_set1(1.0f - filter->weight_cut) + weights + weights), depth);
 }
 
-SIMD void plain_line_store(const struct narrow_range *filter, const struct plain_line *line, const struct expansion *e, ptrdiff_t step,
+SIMD void plain_line_store(const struct window_filter *filter, const struct plain_line *line, const struct expansion *e, ptrdiff_t step,
                            int axis, float *out, struct extent *extent)
 {
     vf result = plain_line_end(filter, line, e, step, axis);
@@ -361,7 +280,7 @@ SIMD void plain_line_store(const struct narrow_range *filter, const struct plain
 }
 
 /* Four rows at once where their state fits the registers, else two: they share the loads of the coefficients. */
-static struct depth_range line_plain(const struct narrow_range *filter, const struct depth_block *block, int axis)
+static struct depth_range line_plain(const struct window_filter *filter, const struct depth_block *block, int axis)
 {
     enum { ROWS = VLEN == 16 ? 4 : 2 };
     struct expansion e;
@@ -405,7 +324,7 @@ struct disc {
     struct mean mean;
 };
 
-SIMD struct disc disc_start(const struct narrow_range *filter, vf depth, const float *at)
+SIMD struct disc disc_start(const struct window_filter *filter, vf depth, const float *at)
 {
     struct centre centre = centre_of(filter, depth);
     struct bounds bounds = bounds_start(filter, &centre);
@@ -424,25 +343,7 @@ SIMD void disc_tap(struct disc *disc, vf weight, ptrdiff_t tap, bool last, const
     }
 }
 
-static inline int absolute(int a) { return a < 0 ? -a : a; }
-
-/* exp(-i^2 / (2 sigma^2)), i from 0 to reach. */
-SIMD void gaussian_table(vf exponent, int reach, vf table[PLANE_BORDER])
-{
-    struct gaussian g = gaussian_start(exponent);
-    table[0] = vf_set1(1.0f);
-    for (int i = 1; i <= reach; i++, gaussian_step(&g)) {
-        table[i] = g.weight;
-    }
-}
-
-static int disc_reach(const struct narrow_range *filter, float depth)
-{
-    int x = narrow_range_reach(filter, AXIS_X, depth), y = narrow_range_reach(filter, AXIS_Y, depth);
-    return x > y ? x : y;
-}
-
-SIMD vf disc_pixels(const struct narrow_range *filter, vf depth, const float *at, ptrdiff_t stride, int reach, int need)
+SIMD vf disc_pixels(const struct window_filter *filter, vf depth, const float *at, ptrdiff_t stride, int reach, int need)
 {
     struct constants constants = constants_of(filter, need);
     vf along_x[PLANE_BORDER], along_y[PLANE_BORDER];
@@ -461,7 +362,7 @@ SIMD vf disc_pixels(const struct narrow_range *filter, vf depth, const float *at
     return mean_result(&disc.mean, &disc.centre, 1.0f - filter->weight_cut);
 }
 
-SIMD vf disc_plain_pixels(const struct narrow_range *filter, vf depth, const float *at, ptrdiff_t stride, int reach)
+SIMD vf disc_plain_pixels(const struct window_filter *filter, vf depth, const float *at, ptrdiff_t stride, int reach)
 {
     struct constants constants = constants_of(filter, 0);
     vf along_x[PLANE_BORDER], along_y[PLANE_BORDER];
@@ -479,7 +380,7 @@ SIMD vf disc_plain_pixels(const struct narrow_range *filter, vf depth, const flo
     return vf_fma(sum, vf_rcp(vf_set1(1.0f - filter->weight_cut) + weights + weights), depth);
 }
 
-SIMD vf square_pixels(const struct narrow_range *filter, vf depth, const float *at, ptrdiff_t stride, int need)
+SIMD vf square_pixels(const struct window_filter *filter, vf depth, const float *at, ptrdiff_t stride, int need)
 {
     struct constants constants = constants_of(filter, need);
     struct disc disc = disc_start(filter, depth, at);
@@ -495,7 +396,7 @@ SIMD vf square_pixels(const struct narrow_range *filter, vf depth, const float *
     return mean_result(&disc.mean, &disc.centre, filter->square[0][0]);
 }
 
-SIMD vf square_plain_pixels(const struct narrow_range *filter, vf depth, const float *at, ptrdiff_t stride)
+SIMD vf square_plain_pixels(const struct window_filter *filter, vf depth, const float *at, ptrdiff_t stride)
 {
     vf twice_depth = depth + depth, sum = vf_zero();
     float weights = filter->square[0][0];
@@ -513,7 +414,7 @@ SIMD vf square_plain_pixels(const struct narrow_range *filter, vf depth, const f
 enum kind { DISC, DISC_PLAIN, SQUARE, SQUARE_PLAIN };
 
 /* kind and need are constants where this is inlined. */
-SIMD struct depth_range disc_block(const struct narrow_range *filter, const struct depth_block *block, enum kind kind, int need)
+SIMD struct depth_range disc_block(const struct window_filter *filter, const struct depth_block *block, enum kind kind, int need)
 {
     struct extent extent = extent_start();
     ptrdiff_t stride = block->stride;
@@ -536,25 +437,25 @@ SIMD struct depth_range disc_block(const struct narrow_range *filter, const stru
     return extent_range(&extent);
 }
 
-static struct depth_range disc(const struct narrow_range *filter, const struct depth_block *block, int axis)
+static struct depth_range disc(const struct window_filter *filter, const struct depth_block *block, int axis)
 {
     (void)axis;
     FOR_NEED(filter, block, disc_block, filter, block, DISC)
 }
 
-static struct depth_range disc_plain(const struct narrow_range *filter, const struct depth_block *block, int axis)
+static struct depth_range disc_plain(const struct window_filter *filter, const struct depth_block *block, int axis)
 {
     (void)axis;
     return disc_block(filter, block, DISC_PLAIN, 0);
 }
 
-static struct depth_range square(const struct narrow_range *filter, const struct depth_block *block, int axis)
+static struct depth_range square(const struct window_filter *filter, const struct depth_block *block, int axis)
 {
     (void)axis;
     FOR_NEED(filter, block, disc_block, filter, block, SQUARE)
 }
 
-static struct depth_range square_plain(const struct narrow_range *filter, const struct depth_block *block, int axis)
+static struct depth_range square_plain(const struct window_filter *filter, const struct depth_block *block, int axis)
 {
     (void)axis;
     return disc_block(filter, block, SQUARE_PLAIN, 0);

@@ -1,12 +1,18 @@
 /* filter.h: the filters of stage smooth, one file each.
  *
- * A filter reads cpu->depth_raw, works in cpu->depth[0] and cpu->depth[1] and leaves cpu->smoothed at the plane of its result, ranges
- * included. */
+ * A filter takes the depth from cpu->smoothed, which it leaves alone, works in cpu->depth[0] and cpu->depth[1], which have its size, and
+ * leaves cpu->smoothed at the plane of its result, ranges included. */
 #ifndef MNS_CPU_SMOOTH_FILTER_H
 #define MNS_CPU_SMOOTH_FILTER_H
 
 #include "cpu/cpu.h"
 
-mns_result mns_smooth_narrow_range(struct backend *cpu, const struct frame *frame);
+void mns_smooth_narrow_range(struct backend *cpu, const struct frame *frame); /* all three */
+
+/* The plane of cpu->depth that a pass from cpu->smoothed writes to. */
+static inline struct depth_plane *smooth_target(struct backend *cpu)
+{
+    return cpu->smoothed == &cpu->depth[0] ? &cpu->depth[1] : &cpu->depth[0];
+}
 
 #endif
