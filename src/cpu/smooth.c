@@ -10,6 +10,9 @@ static filter_function *const filters[] = {
     [MNS_FILTER_NARROW_RANGE] = mns_smooth_narrow_range,
     [MNS_FILTER_NARROW_RANGE_1D] = mns_smooth_narrow_range,
     [MNS_FILTER_NARROW_RANGE_1D_CLEANUP] = mns_smooth_narrow_range,
+    [MNS_FILTER_GAUSSIAN] = mns_smooth_gaussian,
+    [MNS_FILTER_BILATERAL] = mns_smooth_bilateral,
+    [MNS_FILTER_BILATERAL_1D] = mns_smooth_bilateral,
     [MNS_FILTER_PLANE_FIT] = NULL,
 };
 

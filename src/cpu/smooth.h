@@ -2,10 +2,14 @@
 #ifndef MNS_CPU_SMOOTH_H
 #define MNS_CPU_SMOOTH_H
 
+#include "cpu/smooth/bilateral.h"
+#include "cpu/smooth/gaussian.h"
 #include "cpu/smooth/narrow_range.h"
 
 struct smooth_kernels {
     const struct narrow_range_kernels *narrow_range;
+    const struct gaussian_kernels *gaussian;
+    const struct bilateral_kernels *bilateral;
 };
 
 extern const struct smooth_kernels mns_smooth_kernels_scalar, mns_smooth_kernels_sse2, mns_smooth_kernels_avx2, mns_smooth_kernels_avx512,

@@ -110,8 +110,9 @@ static struct depth_range range_of(const float *in, ptrdiff_t stride)
     return range;
 }
 
-/* Runs both on all blocks; returns how many pixels are out of tolerance (cpu/smooth/narrow_range.h). */
-static int compare(struct planes *planes, window_function *expected, window_function *got, const struct window_filter *filter, int axis)
+/* Runs both on all blocks; returns how many pixels are out of tolerance: 4e-7 of the depth plus spread (cpu/smooth). */
+static int compare_within(struct planes *planes, window_function *expected, window_function *got, const struct window_filter *filter,
+                          int axis, float spread)
 {
     int apart = 0;
     ptrdiff_t stride = planes->in.plane.stride;
@@ -130,7 +131,7 @@ static int compare(struct planes *planes, window_function *expected, window_func
                 ptrdiff_t p = i / BLOCK_WIDTH * stride + i % BLOCK_WIDTH;
                 bool fluid = in[p] < DEPTH_LIMIT;
                 assert_true(fluid || (a[p] == in[p] && b[p] == in[p]));
-                apart += !(fabsf(a[p] - b[p]) <= 4e-7f * a[p] + 1e-4f * filter->delta);
+                apart += !(fabsf(a[p] - b[p]) <= 4e-7f * a[p] + spread);
                 range.min = fminf(range.min, b[p]);
                 range.max = fmaxf(range.max, b[p]);
             }
@@ -139,6 +140,11 @@ static int compare(struct planes *planes, window_function *expected, window_func
         }
     }
     return apart;
+}
+
+static int compare(struct planes *planes, window_function *expected, window_function *got, const struct window_filter *filter, int axis)
+{
+    return compare_within(planes, expected, got, filter, axis, 1e-4f * filter->delta);
 }
 
 static void compare_all(struct planes *planes, const struct narrow_range_kernels *a, const struct narrow_range_kernels *b,
@@ -158,9 +164,40 @@ static void compare_all(struct planes *planes, const struct narrow_range_kernels
     }
 }
 
+static float fluid_range(const struct planes *planes)
+{
+    float min = DEPTH_EMPTY, max = 0;
+    for (int y = -PLANE_BORDER; y < HEIGHT + PLANE_BORDER; y++) {
+        for (int x = -PLANE_BORDER; x < WIDTH + PLANE_BORDER; x++) {
+            float depth = planes->in.plane.data[y * planes->in.plane.stride + x];
+            bool fluid = depth > 0 && depth < DEPTH_LIMIT;
+            min = fluid ? fminf(min, depth) : min;
+            max = fluid ? fmaxf(max, depth) : max;
+        }
+    }
+    return fmaxf(max - min, 0);
+}
+
+static void compare_means(struct planes *planes, const struct smooth_kernels *a, const struct smooth_kernels *b,
+                          const struct window_filter *filter, bool plain)
+{
+    float spread = 1e-5f * fluid_range(planes);
+    assert_int_equal(compare_within(planes, a->gaussian->line, b->gaussian->line, filter, AXIS_X, spread), 0);
+    assert_int_equal(compare_within(planes, a->gaussian->line, b->gaussian->line, filter, AXIS_Y, spread), 0);
+    assert_int_equal(compare_within(planes, a->bilateral->line, b->bilateral->line, filter, AXIS_X, 1e-5f * filter->delta), 0);
+    assert_int_equal(compare_within(planes, a->bilateral->line, b->bilateral->line, filter, AXIS_Y, 1e-5f * filter->delta), 0);
+    assert_int_equal(compare_within(planes, a->bilateral->disc, b->bilateral->disc, filter, AXIS_X, 1e-5f * filter->delta), 0);
+    if (plain) {
+        assert_int_equal(compare_within(planes, a->bilateral->line, b->bilateral->line_plain, filter, AXIS_X, 1e-5f * filter->delta), 0);
+        assert_int_equal(compare_within(planes, a->bilateral->line, b->bilateral->line_plain, filter, AXIS_Y, 1e-5f * filter->delta), 0);
+        assert_int_equal(compare_within(planes, a->bilateral->disc, b->bilateral->disc_plain, filter, AXIS_X, 1e-5f * filter->delta), 0);
+        assert_int_equal(compare(planes, a->gaussian->line, b->narrow_range->line_plain, filter, AXIS_X), 0);
+    }
+}
+
 static void test_every_instruction_set_is_plain_c(void **state)
 {
-    const struct narrow_range_kernels *scalar = mns_kernels_get(MNS_ISA_SCALAR)->smooth->narrow_range;
+    const struct smooth_kernels *scalar = mns_kernels_get(MNS_ISA_SCALAR)->smooth;
     static const float sigmas[] = {0.2f, 0.9f, 3.7f, 12.0f, 500.0f};
     for (int isa = MNS_ISA_SSE2; isa <= MNS_ISA_NEON; isa++) {
         const struct kernels *kernels = mns_kernels_get((enum mns_isa)isa);
@@ -169,7 +206,8 @@ static void test_every_instruction_set_is_plain_c(void **state)
             int kind = i % 7; /* with another sigma and mode each time */
             fill(*state, kind, delta, kind == 6 || i >= 28);
             struct window_filter filter = filter_of(delta, sigmas[i % 5], i & 16, kind == 2 || kind == 5, i % 16);
-            compare_all(*state, scalar, kernels->smooth->narrow_range, &filter, false);
+            compare_all(*state, scalar->narrow_range, kernels->smooth->narrow_range, &filter, false);
+            compare_means(*state, scalar, kernels->smooth, &filter, false);
         }
     }
 }
@@ -189,6 +227,7 @@ static void test_plain_kernels_are_the_others_where_they_apply(void **state)
             assert_int_equal(compare(planes, vector->disc, vector->disc_plain, &filter, AXIS_X), 0);
             assert_int_equal(compare(planes, vector->square, vector->square_plain, &filter, AXIS_X), 0);
             compare_all(planes, mns_kernels_get(MNS_ISA_SCALAR)->smooth->narrow_range, vector, &filter, true);
+            compare_means(planes, mns_kernels_get(MNS_ISA_SCALAR)->smooth, kernels->smooth, &filter, true);
         }
     }
 }

@@ -6,158 +6,7 @@
 
 #include <cmocka.h>
 
-#include "cpu/cpu.h"
-#include "util/pool.h"
-
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
-/* Splat radius and the depth at the picture's middle. With FOCAL a radius is 10 pixels there, sigma 7, the kernel's reach 14. */
-static const float R = 0.02f, MIDDLE = 2;
-static const float FOCAL = 1000;
-
-static uint32_t random_state;
-
-static float uniform(void) /* in [0, 1) */
-{
-    random_state = random_state * 1664525u + 1013904223u;
-    return (float)(random_state >> 8) / 16777216.0f;
-}
-
-/* A backend with what the stage needs, and a frame. */
-struct fixture {
-    struct backend cpu;
-    struct memory memory;
-    struct mns_message message;
-    struct pool *pool;
-    struct frame frame;
-    struct kernels kernels;
-    struct smooth_kernels smooth;
-    struct narrow_range_kernels narrow_range;
-};
-
-static void run_jobs(void *user, void (*job)(void *context, int index), void *context, int count)
-{
-    mns_pool_run(user, job, context, count);
-}
-
-static struct fixture *fixture_create(int width, int height, enum mns_isa isa, int threads)
-{
-    struct fixture *fixture = calloc(1, sizeof(*fixture));
-    assert_non_null(fixture);
-    mns_memory_init(&fixture->memory, NULL);
-    fixture->pool = mns_pool_create(threads, NULL);
-    assert_non_null(fixture->pool);
-    assert_non_null(mns_kernels_get(isa));
-    fixture->narrow_range = *mns_kernels_get(isa)->smooth->narrow_range;
-    fixture->smooth.narrow_range = &fixture->narrow_range;
-    fixture->kernels.smooth = &fixture->smooth;
-    fixture->cpu.kernels = &fixture->kernels;
-    fixture->cpu.host = (struct backend_host){
-        .memory = &fixture->memory, .parallel = {run_jobs, fixture->pool}, .threads = threads, .message = &fixture->message};
-    mns_params_init(&fixture->frame.params);
-    fixture->frame.params.iterations = 3;
-    fixture->frame.params.sigma = 0.7f; /* what the scenes here are worked out for */
-    fixture->frame.splat_radius = R;
-    fixture->frame.view = (struct view){.width = width, .height = height, .fx = FOCAL, .fy = FOCAL};
-    assert_true(mns_depth_plane_resize(&fixture->cpu.depth_raw, &fixture->memory, width, height));
-    return fixture;
-}
-
-static void fixture_destroy(struct fixture *fixture)
-{
-    mns_depth_plane_free(&fixture->cpu.depth_raw, &fixture->memory);
-    mns_depth_plane_free(&fixture->cpu.depth[0], &fixture->memory);
-    mns_depth_plane_free(&fixture->cpu.depth[1], &fixture->memory);
-    assert_int_equal(fixture->memory.bytes, 0);
-    mns_pool_destroy(fixture->pool);
-    free(fixture);
-}
-
-/* A parallel view in which a pixel at any depth is what it is in the middle of the perspective one. */
-static void use_orthographic(struct fixture *fixture)
-{
-    fixture->frame.view.orthographic = true;
-    fixture->frame.view.fx = fixture->frame.view.fy = FOCAL / MIDDLE;
-}
-
-static float *pixel(const struct depth_plane *plane, int x, int y) { return plane->plane.data + y * plane->plane.stride + x; }
-
-static struct depth_range range_of(const struct depth_plane *plane, int bx, int by)
-{
-    struct depth_range range = {DEPTH_EMPTY, 0};
-    for (int y = by * BLOCK_HEIGHT; y < (by + 1) * BLOCK_HEIGHT && y < plane->plane.height; y++) {
-        for (int x = bx * BLOCK_WIDTH; x < (bx + 1) * BLOCK_WIDTH && x < plane->plane.width; x++) {
-            range.min = fminf(range.min, *pixel(plane, x, y));
-            range.max = fmaxf(range.max, *pixel(plane, x, y));
-        }
-    }
-    return range;
-}
-
-typedef float depth_function(const struct fixture *fixture, int x, int y);
-
-static void fill(struct fixture *fixture, depth_function *depth)
-{
-    struct depth_plane *raw = &fixture->cpu.depth_raw;
-    random_state = 7;
-    for (int y = 0; y < raw->plane.height; y++) {
-        for (int x = 0; x < raw->plane.width; x++) {
-            *pixel(raw, x, y) = depth(fixture, x, y);
-        }
-    }
-    for (int by = 0; by < raw->blocks_y; by++) {
-        for (int bx = 0; bx < raw->blocks_x; bx++) {
-            raw->ranges[by * raw->blocks_x + bx] = range_of(raw, bx, by);
-        }
-    }
-}
-
-static const struct depth_plane *run(struct fixture *fixture)
-{
-    assert_int_equal(mns_cpu_smooth(&fixture->cpu, &fixture->frame), MNS_OK);
-    return fixture->cpu.smoothed;
-}
-
-/* Depths of a plane through (0, 0, MIDDLE) whose depth grows by slope along y (down) per metre. */
-static float slanted(const struct fixture *fixture, int y, float slope)
-{
-    const struct view *view = &fixture->frame.view;
-    float v = ((float)y + 0.5f - 0.5f * (float)view->height) / view->fy;
-    return view->orthographic ? MIDDLE + slope * v : MIDDLE / (1 - slope * v);
-}
-
-static float slope_of_tilt; /* of the depth functions below */
-
-static float tilted(const struct fixture *fixture, int x, int y)
-{
-    (void)x;
-    return slanted(fixture, y, slope_of_tilt);
-}
-
-/* Spheres on a plane, drops before it, and holes: everything that the filter meets. */
-static float splashes(const struct fixture *fixture, int x, int y)
-{
-    float u = (float)x / 10, v = (float)y / 10; /* a sphere each 10 pixels */
-    float du = u - floorf(u) - 0.5f, dv = v - floorf(v) - 0.5f;
-    float bump = R * sqrtf(fmaxf(0, 1 - 2 * (du * du + dv * dv)));
-    uint32_t cell = ((uint32_t)u * 7919u + (uint32_t)v * 104729u) * 2654435761u;
-    float depth = slanted(fixture, y, 1) - bump + 0.5f * R * (float)(cell >> 24) / 256;
-    switch (cell >> 20 & 15) {
-    case 0: return DEPTH_EMPTY;
-    case 1: return depth - 30 * R;
-    case 2: return depth - 8 * R;
-    default: return depth;
-    }
-}
-
-static void assert_near(double a, double b, double tolerance)
-{
-    if (!(fabs(a - b) <= tolerance)) {
-        fail_msg("%.9g, expected %.9g within %.3g", a, b, tolerance);
-    }
-}
+#include "smooth_test.h"
 
 /* [TY18] as printed, in double precision with its negative z: eq. 2, 4, 6 or 3, 7 to 9, along one line; samples outside the line drop
  * their pair. sigma is exact, cut and its subtracted weight are ours. */
@@ -310,12 +159,6 @@ static void test_planes_stay(void **state)
     }
 }
 
-static float drop_before_plane(const struct fixture *fixture, int x, int y)
-{
-    float dx = (float)x - 63.5f, dy = (float)y - 63.5f, square = 30 * 30 - dx * dx - dy * dy;
-    return square > 0 ? MIDDLE - 50 * R - 0.1f * R * sqrtf(square) : slanted(fixture, y, slope_of_tilt);
-}
-
 /* [TY18] fig. 4. Pixels of the plane at most 14 from the drop, and far from the picture's edge. */
 static double worst_beside_drop(bool bias_correction, enum mns_filter filter)
 {
@@ -345,13 +188,6 @@ static void test_the_plane_beside_a_drop_keeps_its_depth(void **state)
         assert_near(worst_beside_drop(true, (enum mns_filter)filter), 0, 1e-3);
         assert_true(worst_beside_drop(false, (enum mns_filter)filter) > 0.1);
     }
-}
-
-static float step(const struct fixture *fixture, int x, int y)
-{
-    (void)fixture;
-    (void)y;
-    return x < 50 ? MIDDLE : MIDDLE + 50 * R;
 }
 
 static void test_nothing_leaks_across_a_step(void **state)
@@ -414,22 +250,10 @@ static void test_dynamic_range_closes_cracks(void **state)
     assert_true(off > 2 * on);
 }
 
-/* Pixels of two results that are more than a tolerance (of R) apart; empty ones must be the same. */
-static int pixels_apart(const struct depth_plane *a, const struct depth_plane *b, double tolerance)
-{
-    int apart = 0;
-    for (int y = 0; y < a->plane.height; y++) {
-        for (int x = 0; x < a->plane.width; x++) {
-            apart += fabs((double)*pixel(a, x, y) - (double)*pixel(b, x, y)) > tolerance * R;
-        }
-    }
-    return apart;
-}
-
 static void test_sigma_changes_without_a_step(void **state)
 {
     (void)state;
-    for (int filter = MNS_FILTER_NARROW_RANGE; filter <= MNS_FILTER_NARROW_RANGE_1D_CLEANUP; filter++) {
+    for (int filter = MNS_FILTER_NARROW_RANGE; filter <= MNS_FILTER_BILATERAL_1D; filter++) {
         for (int side = -1; side <= 1; side += 2) {
             struct fixture *a = fixture_create(200, 120, mns_isa_best(), 2), *b = fixture_create(200, 120, mns_isa_best(), 2);
             a->frame.params.filter = b->frame.params.filter = filter;
@@ -457,7 +281,7 @@ static float mirrored(const struct fixture *fixture, int x, int y)
 static void test_a_mirrored_picture_is_smoothed_to_the_mirror(void **state)
 {
     (void)state;
-    for (int filter = MNS_FILTER_NARROW_RANGE; filter <= MNS_FILTER_NARROW_RANGE_1D_CLEANUP; filter++) {
+    for (int filter = MNS_FILTER_NARROW_RANGE; filter <= MNS_FILTER_BILATERAL_1D; filter++) {
         for (int mirror = 1; mirror < 4; mirror++) {
             struct fixture *a = fixture_create(201, 123, mns_isa_best(), 2), *b = fixture_create(201, 123, mns_isa_best(), 2);
             a->frame.params.filter = b->frame.params.filter = filter;
@@ -486,8 +310,7 @@ static void test_instruction_sets_agree(void **state)
 {
     (void)state;
     for (int isa = MNS_ISA_SSE2; isa <= MNS_ISA_NEON; isa++) {
-        for (int filter = MNS_FILTER_NARROW_RANGE; mns_kernels_get((enum mns_isa)isa) && filter <= MNS_FILTER_NARROW_RANGE_1D_CLEANUP;
-             filter++) {
+        for (int filter = MNS_FILTER_NARROW_RANGE; mns_kernels_get((enum mns_isa)isa) && filter <= MNS_FILTER_BILATERAL_1D; filter++) {
             struct fixture *a = fixture_create(200, 120, MNS_ISA_SCALAR, 2), *b = fixture_create(200, 120, (enum mns_isa)isa, 2);
             a->frame.params.filter = b->frame.params.filter = filter;
             fill(a, splashes);
@@ -547,7 +370,7 @@ static void test_threads_do_not_change_a_byte(void **state)
 {
     (void)state;
     static const int threads[] = {2, 7};
-    for (int filter = MNS_FILTER_NARROW_RANGE; filter <= MNS_FILTER_NARROW_RANGE_1D_CLEANUP; filter++) {
+    for (int filter = MNS_FILTER_NARROW_RANGE; filter <= MNS_FILTER_BILATERAL_1D; filter++) {
         struct fixture *one = fixture_create(203, 121, mns_isa_best(), 1);
         one->frame.params.filter = filter;
         fill(one, splashes);
@@ -570,7 +393,7 @@ static void test_threads_do_not_change_a_byte(void **state)
 static void test_planes_come_with_borders_and_ranges(void **state)
 {
     (void)state;
-    for (int filter = MNS_FILTER_NONE; filter <= MNS_FILTER_NARROW_RANGE_1D_CLEANUP; filter++) {
+    for (int filter = MNS_FILTER_NONE; filter <= MNS_FILTER_BILATERAL_1D; filter++) {
         struct fixture *fixture = fixture_create(75, 45, mns_isa_best(), 1);
         fixture->frame.params.filter = filter;
         fill(fixture, step);

@@ -1,4 +1,8 @@
 /* smooth.c: the kernels of stage smooth in plain C, gathered from each filter's file. */
 #include "cpu/smooth.h"
 
-const struct smooth_kernels mns_smooth_kernels_scalar = {.narrow_range = &mns_narrow_range_kernels_scalar};
+const struct smooth_kernels mns_smooth_kernels_scalar = {
+    .narrow_range = &mns_narrow_range_kernels_scalar,
+    .gaussian = &mns_gaussian_kernels_scalar,
+    .bilateral = &mns_bilateral_kernels_scalar,
+};
