@@ -13,6 +13,12 @@
 static const float R = 0.02f, MIDDLE = 2;
 static const float FOCAL = 1000;
 
+/* The filters that look at a window around each pixel. */
+enum { WINDOWED = 7 };
+static const enum mns_filter windowed[WINDOWED] = {MNS_FILTER_NARROW_RANGE, MNS_FILTER_NARROW_RANGE_1D, MNS_FILTER_NARROW_RANGE_1D_CLEANUP,
+                                                   MNS_FILTER_GAUSSIAN,     MNS_FILTER_BILATERAL,       MNS_FILTER_BILATERAL_1D,
+                                                   MNS_FILTER_PLANE_FIT};
+
 static uint32_t test_random;
 
 static inline float uniform(void) /* in [0, 1) */
@@ -50,6 +56,7 @@ static inline struct fixture *fixture_create(int width, int height, enum mns_isa
     fixture->narrow_range = *fixture->smooth.narrow_range;
     fixture->smooth.narrow_range = &fixture->narrow_range;
     fixture->kernels.smooth = &fixture->smooth;
+    fixture->kernels.shade = mns_kernels_get(isa)->shade;
     fixture->cpu.kernels = &fixture->kernels;
     fixture->cpu.host = (struct backend_host){
         .memory = &fixture->memory, .parallel = {run_jobs, fixture->pool}, .threads = threads, .message = &fixture->message};
@@ -57,7 +64,8 @@ static inline struct fixture *fixture_create(int width, int height, enum mns_isa
     fixture->frame.params.iterations = 3;
     fixture->frame.params.sigma = 0.7f; /* what the scenes here are worked out for */
     fixture->frame.splat_radius = R;
-    fixture->frame.view = (struct view){.width = width, .height = height, .fx = FOCAL, .fy = FOCAL};
+    fixture->frame.view =
+        (struct view){.width = width, .height = height, .fx = FOCAL, .fy = FOCAL, .cx = 0.5f * (float)width, .cy = 0.5f * (float)height};
     assert_true(mns_depth_plane_resize(&fixture->cpu.depth_raw, &fixture->memory, width, height));
     return fixture;
 }
@@ -67,6 +75,9 @@ static inline void fixture_destroy(struct fixture *fixture)
     mns_depth_plane_free(&fixture->cpu.depth_raw, &fixture->memory);
     mns_depth_plane_free(&fixture->cpu.depth[0], &fixture->memory);
     mns_depth_plane_free(&fixture->cpu.depth[1], &fixture->memory);
+    for (int i = 0; i < 3; i++) {
+        mns_plane_free(&fixture->cpu.depth_normal[i], &fixture->memory);
+    }
     assert_int_equal(fixture->memory.bytes, 0);
     mns_pool_destroy(fixture->pool);
     free(fixture);

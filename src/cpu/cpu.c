@@ -38,6 +38,9 @@ static void destroy(struct backend *cpu)
     mns_depth_plane_free(&cpu->depth_raw, memory);
     mns_depth_plane_free(&cpu->depth[0], memory);
     mns_depth_plane_free(&cpu->depth[1], memory);
+    for (int i = 0; i < 3; i++) {
+        mns_plane_free(&cpu->depth_normal[i], memory);
+    }
     mns_particle_store_free(&cpu->particles, memory);
     mns_memory_put(memory, cpu, 1, sizeof(*cpu));
 }

@@ -39,6 +39,7 @@ struct backend {
     struct tiles *tiles;                /* bin */
     struct depth_plane depth_raw;       /* splat */
     struct depth_plane depth[2];        /* smooth: its two buffers */
+    struct plane depth_normal[3];       /* smooth: plane-fit's normals, with the depth's border and stride; empty until they are needed */
     struct depth_plane *smoothed;       /* smooth: where the result is (depth_raw when the filter is none) */
     struct thickness_image raw;         /* splat */
     struct thickness_image blurred;     /* blur */

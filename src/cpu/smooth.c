@@ -13,7 +13,7 @@ static filter_function *const filters[] = {
     [MNS_FILTER_GAUSSIAN] = mns_smooth_gaussian,
     [MNS_FILTER_BILATERAL] = mns_smooth_bilateral,
     [MNS_FILTER_BILATERAL_1D] = mns_smooth_bilateral,
-    [MNS_FILTER_PLANE_FIT] = NULL,
+    [MNS_FILTER_PLANE_FIT] = mns_smooth_plane_fit,
 };
 
 /* Gives a plane its size; where that changes it, or its ranges are new, no block passes for empty. */
@@ -40,6 +40,11 @@ mns_result mns_cpu_smooth(struct backend *cpu, const struct frame *frame)
     }
     for (int i = 0; i < 2; i++) {
         if (!resize(&cpu->depth[i], cpu->host.memory, &frame->view)) {
+            return cpu_out_of_memory(cpu);
+        }
+    }
+    for (int i = 0; i < 3 && frame->params.filter == MNS_FILTER_PLANE_FIT; i++) {
+        if (!mns_plane_resize(&cpu->depth_normal[i], cpu->host.memory, frame->view.width, frame->view.height, PLANE_BORDER)) {
             return cpu_out_of_memory(cpu);
         }
     }

@@ -62,6 +62,7 @@ static struct window_filter filter_of(float delta, float sigma, bool orthographi
 struct planes {
     struct depth_plane in, expected, got;
     struct depth_range around; /* of all depths and the border */
+    struct plane normal[3];
     struct memory memory;
 };
 
@@ -70,6 +71,11 @@ static int setup(void **state)
     static struct planes planes;
     mns_memory_init(&planes.memory, NULL);
     *state = &planes;
+    for (int c = 0; c < 3; c++) {
+        if (!mns_plane_resize(&planes.normal[c], &planes.memory, WIDTH, HEIGHT, PLANE_BORDER)) {
+            return 1;
+        }
+    }
     return !(mns_depth_plane_resize(&planes.in, &planes.memory, WIDTH, HEIGHT) &&
              mns_depth_plane_resize(&planes.expected, &planes.memory, WIDTH, HEIGHT) &&
              mns_depth_plane_resize(&planes.got, &planes.memory, WIDTH, HEIGHT));
@@ -81,6 +87,9 @@ static int teardown(void **state)
     mns_depth_plane_free(&planes->in, &planes->memory);
     mns_depth_plane_free(&planes->expected, &planes->memory);
     mns_depth_plane_free(&planes->got, &planes->memory);
+    for (int c = 0; c < 3; c++) {
+        mns_plane_free(&planes->normal[c], &planes->memory);
+    }
     return planes->memory.bytes != 0;
 }
 
@@ -125,8 +134,10 @@ static int compare_within(struct planes *planes, window_function *expected, wind
             if (own.min >= DEPTH_LIMIT) { /* no kernel is called for these */
                 continue;
             }
-            struct depth_range range_a = expected(filter, &(struct depth_block){in, a, stride, own, planes->around}, axis);
-            struct depth_range range_b = got(filter, &(struct depth_block){in, b, stride, own, planes->around}, axis);
+            struct depth_block block = {in, a, stride, own, planes->around, bx * BLOCK_WIDTH, by * BLOCK_HEIGHT};
+            struct depth_range range_a = expected(filter, &block, axis);
+            block.out = b;
+            struct depth_range range_b = got(filter, &block, axis);
             for (int i = 0; i < BLOCK_WIDTH * BLOCK_HEIGHT; i++) {
                 ptrdiff_t p = i / BLOCK_WIDTH * stride + i % BLOCK_WIDTH;
                 bool fluid = in[p] < DEPTH_LIMIT;
@@ -178,8 +189,28 @@ static float fluid_range(const struct planes *planes)
     return fmaxf(max - min, 0);
 }
 
+/* A view, and normals up to 80 degrees off the view axis. */
+static struct plane_fit planes_fit(struct planes *planes, bool orthographic)
+{
+    struct plane_fit fit = {
+        .step_x = 0.002f, .step_y = 0.0022f, .cx = 0.5f * WIDTH + 80, .cy = 0.5f * HEIGHT, .orthographic = orthographic};
+    for (int c = 0; c < 3; c++) {
+        fit.normal[c] = planes->normal[c].data;
+    }
+    for (int y = -PLANE_BORDER; y < HEIGHT + PLANE_BORDER; y++) {
+        for (int x = -PLANE_BORDER; x < WIDTH + PLANE_BORDER; x++) {
+            float a = 4 * uniform() - 1, b = 4 * uniform() - 2, scale = 1 / sqrtf(a * a + b * b + 1);
+            const float normal[3] = {a * scale, b * scale, -scale};
+            for (int c = 0; c < 3; c++) {
+                planes->normal[c].data[y * planes->normal[c].stride + x] = normal[c];
+            }
+        }
+    }
+    return fit;
+}
+
 static void compare_means(struct planes *planes, const struct smooth_kernels *a, const struct smooth_kernels *b,
-                          const struct window_filter *filter, bool plain)
+                          const struct window_filter *filter, bool orthographic, bool plain)
 {
     float spread = 1e-5f * fluid_range(planes);
     assert_int_equal(compare_within(planes, a->gaussian->line, b->gaussian->line, filter, AXIS_X, spread), 0);
@@ -187,7 +218,12 @@ static void compare_means(struct planes *planes, const struct smooth_kernels *a,
     assert_int_equal(compare_within(planes, a->bilateral->line, b->bilateral->line, filter, AXIS_X, 1e-5f * filter->delta), 0);
     assert_int_equal(compare_within(planes, a->bilateral->line, b->bilateral->line, filter, AXIS_Y, 1e-5f * filter->delta), 0);
     assert_int_equal(compare_within(planes, a->bilateral->disc, b->bilateral->disc, filter, AXIS_X, 1e-5f * filter->delta), 0);
+    struct plane_fit fit = planes_fit(planes, orthographic);
+    struct window_filter fitting = *filter;
+    fitting.fit = &fit;
+    assert_true(compare(planes, a->plane_fit->disc, b->plane_fit->disc, &fitting, AXIS_X) <= 1);
     if (plain) {
+        assert_int_equal(compare(planes, a->plane_fit->disc, b->plane_fit->disc_plain, &fitting, AXIS_X), 0);
         assert_int_equal(compare_within(planes, a->bilateral->line, b->bilateral->line_plain, filter, AXIS_X, 1e-5f * filter->delta), 0);
         assert_int_equal(compare_within(planes, a->bilateral->line, b->bilateral->line_plain, filter, AXIS_Y, 1e-5f * filter->delta), 0);
         assert_int_equal(compare_within(planes, a->bilateral->disc, b->bilateral->disc_plain, filter, AXIS_X, 1e-5f * filter->delta), 0);
@@ -207,7 +243,7 @@ static void test_every_instruction_set_is_plain_c(void **state)
             fill(*state, kind, delta, kind == 6 || i >= 28);
             struct window_filter filter = filter_of(delta, sigmas[i % 5], i & 16, kind == 2 || kind == 5, i % 16);
             compare_all(*state, scalar->narrow_range, kernels->smooth->narrow_range, &filter, false);
-            compare_means(*state, scalar, kernels->smooth, &filter, false);
+            compare_means(*state, scalar, kernels->smooth, &filter, i & 16, false);
         }
     }
 }
@@ -227,7 +263,7 @@ static void test_plain_kernels_are_the_others_where_they_apply(void **state)
             assert_int_equal(compare(planes, vector->disc, vector->disc_plain, &filter, AXIS_X), 0);
             assert_int_equal(compare(planes, vector->square, vector->square_plain, &filter, AXIS_X), 0);
             compare_all(planes, mns_kernels_get(MNS_ISA_SCALAR)->smooth->narrow_range, vector, &filter, true);
-            compare_means(planes, mns_kernels_get(MNS_ISA_SCALAR)->smooth, kernels->smooth, &filter, true);
+            compare_means(planes, mns_kernels_get(MNS_ISA_SCALAR)->smooth, kernels->smooth, &filter, i & 2, true);
         }
     }
 }

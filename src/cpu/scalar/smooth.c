@@ -5,4 +5,5 @@ const struct smooth_kernels mns_smooth_kernels_scalar = {
     .narrow_range = &mns_narrow_range_kernels_scalar,
     .gaussian = &mns_gaussian_kernels_scalar,
     .bilateral = &mns_bilateral_kernels_scalar,
+    .plane_fit = &mns_plane_fit_kernels_scalar,
 };

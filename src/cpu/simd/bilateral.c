@@ -5,25 +5,6 @@
 
 #include "cpu/simd/window.h"
 
-/* What the taps of a block may be; constants where the functions below are inlined. */
-enum taps {
-    TAPS_PLAIN,  /* all count */
-    TAPS_INSIDE, /* some are too far */
-    TAPS_BORDER  /* some are outside the picture */
-};
-
-/* exp(-RANGE_FALL s) - RANGE_END for s in [0, 1], within 6e-6 of itself: (1 - s) times the fourth power of a minimax polynomial. */
-SIMD vf range_weight(vf s)
-{
-    vf p = vf_fma(vf_set1(-0.00700921327f), s, vf_set1(0.0388939347f));
-    p = vf_fma(p, s, vf_set1(-0.159147192f));
-    p = vf_fma(p, s, vf_set1(0.487978373f));
-    p = vf_fma(p, s, vf_set1(-0.885077958f));
-    p = vf_fma(p, s, vf_set1(0.997209689f));
-    p = p * p;
-    return p * p * (vf_set1(1.0f) - s);
-}
-
 struct mean {
     vf depth, delta, inverse_delta;
     vf sum, weights; /* sum: deltas from depth */
@@ -34,14 +15,9 @@ SIMD struct mean mean_start(const struct window_filter *filter, vf depth)
     return (struct mean){depth, vf_set1(filter->delta), vf_set1(1.0f / filter->delta), vf_zero(), vf_zero()};
 }
 
-/* A sample relative to the pixel, in deltas; what is too far (or NaN) at the end of the range, where its weight is 0. */
 SIMD vf mean_sample(const struct mean *mean, vf sample, enum taps taps)
 {
-    vf from = sample - mean->depth;
-    if (taps != TAPS_PLAIN) {
-        from = vf_max(vf_min(from, mean->delta), -mean->delta);
-    }
-    return from * mean->inverse_delta;
+    return from_pixel(sample, mean->depth, mean->delta, taps) * mean->inverse_delta;
 }
 
 /* A sample and its mirror. */
@@ -49,7 +25,7 @@ SIMD void mean_add_pair(struct mean *mean, vf weight, const float *at, ptrdiff_t
 {
     vf a = vf_loadu(at + tap), b = vf_loadu(at - tap);
     if (taps == TAPS_BORDER) {
-        weight = vf_keep(vm_and(vf_gt(a, vf_zero()), vf_gt(b, vf_zero())), weight);
+        weight = vf_keep(both_inside(a, b), weight);
     }
     a = mean_sample(mean, a, taps);
     b = mean_sample(mean, b, taps);
@@ -64,15 +40,13 @@ SIMD vf mean_result(const struct window_filter *filter, const struct mean *mean)
     return vf_fma(mean->sum * vf_set1(filter->delta), vf_rcp(mean->weights + own), mean->depth);
 }
 
-SIMD vf cut_weight(vf weight, const struct window_filter *filter) { return vf_max(weight - vf_set1(filter->weight_cut), vf_zero()); }
-
 SIMD vf line_pixels(const struct window_filter *filter, vf depth, const float *at, ptrdiff_t step, ptrdiff_t reach, int axis,
                     enum taps taps)
 {
     struct mean mean = mean_start(filter, depth);
     struct gaussian g = gaussian_start(exponent(filter, axis, depth));
     for (ptrdiff_t tap = step; tap <= reach; tap += step, gaussian_step(&g)) {
-        mean_add_pair(&mean, cut_weight(g.weight, filter), at, tap, taps);
+        mean_add_pair(&mean, weight_above_cut(g.weight, filter), at, tap, taps);
     }
     return mean_result(filter, &mean);
 }
@@ -105,19 +79,17 @@ static struct depth_range line_plain(const struct window_filter *filter, const s
     return line_block(filter, block, axis, TAPS_PLAIN);
 }
 
-SIMD vf disc_pixels(const struct window_filter *filter, vf depth, const float *at, ptrdiff_t stride, const int reach[2], enum taps taps)
+SIMD vf disc_pixels(const struct window_filter *filter, vf depth, const float *at, ptrdiff_t stride, const int reach[2], float nearest,
+                    enum taps taps)
 {
     vf along_x[PLANE_BORDER], along_y[PLANE_BORDER];
     gaussian_table(exponent(filter, AXIS_X, depth), reach[AXIS_X], along_x);
     gaussian_table(exponent(filter, AXIS_Y, depth), reach[AXIS_Y], along_y);
     struct mean mean = mean_start(filter, depth);
     for (int y = 0; y <= reach[AXIS_Y]; y++) {
-        for (int x = y ? -reach[AXIS_X] : 1; x <= reach[AXIS_X]; x++) { /* half of the taps; their mirrors are the others */
-            vf weight = along_x[absolute(x)] * along_y[y] - vf_set1(filter->weight_cut);
-            vm counts = vf_gt(weight, vf_zero());
-            if (vm_any(counts)) {
-                mean_add_pair(&mean, vf_keep(counts, weight), at, y * stride + x, taps);
-            }
+        int end = row_reach(filter, reach, nearest, y);
+        for (int x = y ? -end : 1; x <= end; x++) { /* half of the taps; their mirrors are the others */
+            mean_add_pair(&mean, weight_above_cut(along_x[absolute(x)] * along_y[y], filter), at, y * stride + x, taps);
         }
     }
     return mean_result(filter, &mean);
@@ -133,7 +105,7 @@ SIMD struct depth_range disc_block(const struct window_filter *filter, const str
             struct pixels pixels = pixels_load(block->in + at, block->range.min);
             vf result = pixels.depth;
             if (vm_any(pixels.fluid)) {
-                result = disc_pixels(filter, pixels.depth, block->in + at, block->stride, reach, taps);
+                result = disc_pixels(filter, pixels.depth, block->in + at, block->stride, reach, block->range.min, taps);
             }
             pixels_store(&pixels, result, block->out + at, &extent);
         }

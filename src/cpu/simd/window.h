@@ -5,6 +5,8 @@
 #include "cpu/simd.h"
 #include "cpu/smooth/window.h"
 
+#include <math.h>
+
 /* VLEN pixels of one row; lanes without fluid run along with some depth. */
 struct pixels {
     vf input, depth;
@@ -102,6 +104,48 @@ static inline int disc_reach(const struct window_filter *filter, float depth)
 {
     int x = window_reach(filter, AXIS_X, depth), y = window_reach(filter, AXIS_Y, depth);
     return x > y ? x : y;
+}
+
+/* What the taps of a block may be; constants where the functions below are inlined. */
+enum taps {
+    TAPS_PLAIN,  /* all count */
+    TAPS_INSIDE, /* some are too far */
+    TAPS_BORDER  /* some are outside the picture */
+};
+
+/* exp(-RANGE_FALL s) - RANGE_END for s in [0, 1], within 6e-6 of itself: (1 - s) times the fourth power of a minimax polynomial. */
+SIMD vf range_weight(vf s)
+{
+    vf p = vf_fma(vf_set1(-0.00700921327f), s, vf_set1(0.0388939347f));
+    p = vf_fma(p, s, vf_set1(-0.159147192f));
+    p = vf_fma(p, s, vf_set1(0.487978373f));
+    p = vf_fma(p, s, vf_set1(-0.885077958f));
+    p = vf_fma(p, s, vf_set1(0.997209689f));
+    p = p * p;
+    return p * p * (vf_set1(1.0f) - s);
+}
+
+/* A sample's depth relative to the pixel's. What is too far (or NaN) stands at the end of the range, where its weight is 0. */
+SIMD vf from_pixel(vf sample, vf depth, vf delta, enum taps taps)
+{
+    vf from = sample - depth;
+    if (taps != TAPS_PLAIN) {
+        from = vf_max(vf_min(from, delta), -delta);
+    }
+    return from;
+}
+
+/* Whether a sample and its mirror are in the picture. */
+SIMD vm both_inside(vf a, vf b) { return vm_and(vf_gt(a, vf_zero()), vf_gt(b, vf_zero())); }
+
+SIMD vf weight_above_cut(vf weight, const struct window_filter *filter) { return vf_max(weight - vf_set1(filter->weight_cut), vf_zero()); }
+
+/* Pixels that a 2-D kernel reaches along x in the row y pixels from its centre. nearest: the least depth of its block; reach: there, by axis. */
+static inline int row_reach(const struct window_filter *filter, const int reach[2], float nearest, int y)
+{
+    float sigma_x = window_sigma(filter, AXIS_X, nearest), sigma_y = window_sigma(filter, AXIS_Y, nearest), up = (float)y / sigma_y;
+    int end = (int)(sigma_x * sqrtf(greater(filter->cut * filter->cut - up * up, 0))) + 1;
+    return end < reach[AXIS_X] ? end : reach[AXIS_X];
 }
 
 #endif

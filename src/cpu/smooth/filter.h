@@ -10,6 +10,7 @@
 void mns_smooth_narrow_range(struct backend *cpu, const struct frame *frame); /* all three */
 void mns_smooth_gaussian(struct backend *cpu, const struct frame *frame);
 void mns_smooth_bilateral(struct backend *cpu, const struct frame *frame); /* both */
+void mns_smooth_plane_fit(struct backend *cpu, const struct frame *frame);
 
 /* The plane of cpu->depth that a pass from cpu->smoothed writes to. */
 static inline struct depth_plane *smooth_target(struct backend *cpu)

@@ -106,8 +106,12 @@ static void run_block(const struct pass *pass, int bx, int by)
 {
     int index = by * pass->in->blocks_x + bx;
     ptrdiff_t stride = pass->in->plane.stride, at = by * BLOCK_HEIGHT * stride + bx * BLOCK_WIDTH;
-    struct depth_block block = {
-        .in = pass->in->plane.data + at, .out = pass->out->plane.data + at, .stride = stride, .range = pass->in->ranges[index]};
+    struct depth_block block = {.in = pass->in->plane.data + at,
+                                .out = pass->out->plane.data + at,
+                                .stride = stride,
+                                .range = pass->in->ranges[index],
+                                .x = bx * BLOCK_WIDTH,
+                                .y = by * BLOCK_HEIGHT};
     if (block.range.min >= DEPTH_LIMIT) {
         copy_empty(&block, &pass->out->ranges[index]);
         return;

@@ -26,11 +26,17 @@ struct window_filter {
     } inverse[2];            /* by axis */
     float square[3][3];      /* weights of the 5x5 kernel: [|dy|][|dx|] */
     bool bias_correction;    /* eq. 6 in place of eq. 3 */
-    bool at_lens;            /* some depth may be less than delta, so that the border's 0 needs telling from a sample in range */
+    const struct plane_fit *fit;
+    bool at_lens; /* some depth may be less than delta, so that the border's 0 needs telling from a sample in range */
 };
 
 /* Farther than any depth that is not empty, with room to add two of them. */
 #define RANGE_FIXED 1.0e38f
+
+/* The weight of a sample by its depth, t = (its depth - the pixel's) / delta: a Gaussian with sigma_z = delta / 3, exp(-RANGE_FALL t^2) -
+ * RANGE_END, and 0 from |t| = 1 on, so that no sample comes or goes with a step. */
+#define RANGE_FALL 4.5f         /* 1 / (2 (1/3)^2) */
+#define RANGE_END  0.011108997f /* exp(-RANGE_FALL) */
 
 /* Without the care for NaN that makes fminf and fmaxf calls. */
 static inline float lesser(float a, float b) { return a < b ? a : b; }
@@ -59,6 +65,7 @@ struct depth_block {
     ptrdiff_t stride;
     struct depth_range range;  /* of in, as in struct depth_plane */
     struct depth_range around; /* no sample that taps of the block meet is outside this; min 0 where they leave the picture */
+    int x, y;                  /* its first pixel */
 };
 
 /* Filters a block. Pixels that are empty or outside the picture (0) are copied. Returns the range of what was written. axis: of the taps;
