@@ -13,11 +13,12 @@
 static const float R = 0.02f, MIDDLE = 2;
 static const float FOCAL = 1000;
 
-/* The filters that look at a window around each pixel. */
-enum { WINDOWED = 7 };
-static const enum mns_filter windowed[WINDOWED] = {MNS_FILTER_NARROW_RANGE, MNS_FILTER_NARROW_RANGE_1D, MNS_FILTER_NARROW_RANGE_1D_CLEANUP,
-                                                   MNS_FILTER_GAUSSIAN,     MNS_FILTER_BILATERAL,       MNS_FILTER_BILATERAL_1D,
-                                                   MNS_FILTER_PLANE_FIT};
+/* Filters that do what they do in any picture: every one but none. */
+enum { FILTERS = 9 };
+static const enum mns_filter all_filters[FILTERS] = {
+    MNS_FILTER_NARROW_RANGE, MNS_FILTER_NARROW_RANGE_1D, MNS_FILTER_NARROW_RANGE_1D_CLEANUP,
+    MNS_FILTER_GAUSSIAN,     MNS_FILTER_BILATERAL,       MNS_FILTER_BILATERAL_1D,
+    MNS_FILTER_PLANE_FIT,    MNS_FILTER_CURVATURE_FLOW,  MNS_FILTER_ADAPTIVE_CURVATURE_FLOW};
 
 static uint32_t test_random;
 
@@ -64,6 +65,7 @@ static inline struct fixture *fixture_create(int width, int height, enum mns_isa
     fixture->frame.params.iterations = 3;
     fixture->frame.params.sigma = 0.7f; /* what the scenes here are worked out for */
     fixture->frame.splat_radius = R;
+    fixture->frame.depth_reference = MIDDLE;
     fixture->frame.view =
         (struct view){.width = width, .height = height, .fx = FOCAL, .fy = FOCAL, .cx = 0.5f * (float)width, .cy = 0.5f * (float)height};
     assert_true(mns_depth_plane_resize(&fixture->cpu.depth_raw, &fixture->memory, width, height));
@@ -75,6 +77,7 @@ static inline void fixture_destroy(struct fixture *fixture)
     mns_depth_plane_free(&fixture->cpu.depth_raw, &fixture->memory);
     mns_depth_plane_free(&fixture->cpu.depth[0], &fixture->memory);
     mns_depth_plane_free(&fixture->cpu.depth[1], &fixture->memory);
+    mns_memory_put(&fixture->memory, fixture->cpu.block_values, fixture->cpu.block_values_capacity, sizeof(float));
     for (int i = 0; i < 3; i++) {
         mns_plane_free(&fixture->cpu.depth_normal[i], &fixture->memory);
     }

@@ -41,6 +41,7 @@ static void destroy(struct backend *cpu)
     for (int i = 0; i < 3; i++) {
         mns_plane_free(&cpu->depth_normal[i], memory);
     }
+    mns_memory_put(memory, cpu->block_values, cpu->block_values_capacity, sizeof(*cpu->block_values));
     mns_particle_store_free(&cpu->particles, memory);
     mns_memory_put(memory, cpu, 1, sizeof(*cpu));
 }

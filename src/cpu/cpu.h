@@ -34,12 +34,14 @@ struct backend {
     const struct kernels *kernels;
     enum mns_isa isa;
 
-    struct particle_store particles;    /* prepare */
-    unsigned generation;                /* grows with each prepare: keys what is kept per particle set */
-    struct tiles *tiles;                /* bin */
-    struct depth_plane depth_raw;       /* splat */
-    struct depth_plane depth[2];        /* smooth: its two buffers */
-    struct plane depth_normal[3];       /* smooth: plane-fit's normals, with the depth's border and stride; empty until they are needed */
+    struct particle_store particles; /* prepare */
+    unsigned generation;             /* grows with each prepare: keys what is kept per particle set */
+    struct tiles *tiles;             /* bin */
+    struct depth_plane depth_raw;    /* splat */
+    struct depth_plane depth[2];     /* smooth: its two buffers */
+    struct plane depth_normal[3];    /* smooth: plane-fit's normals, with the depth's border and stride; empty until they are needed */
+    float *block_values;             /* smooth: three values for each block of a depth plane */
+    size_t block_values_capacity;
     struct depth_plane *smoothed;       /* smooth: where the result is (depth_raw when the filter is none) */
     struct thickness_image raw;         /* splat */
     struct thickness_image blurred;     /* blur */

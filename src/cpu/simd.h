@@ -96,6 +96,8 @@ SIMD void vf_lanes_apart(vf p[4])                                /* pixels 0-3, 
     p[3] = _mm512_shuffle_f32x4(b, d, 0xdd);
 }
 SIMD void vf_lanes_together(vf p[4]) { vf_lanes_apart(p); } /* its own inverse */
+/* The last lane of a, then all of b but its last. */
+SIMD vf vf_slide(vf a, vf b) { return _mm512_castsi512_ps(_mm512_alignr_epi32(_mm512_castps_si512(b), _mm512_castps_si512(a), 15)); }
 SIMD void vf_transpose_4(vf p[4])
 {
     __m512d a = _mm512_castps_pd(_mm512_unpacklo_ps(p[0], p[1])), b = _mm512_castps_pd(_mm512_unpackhi_ps(p[0], p[1]));
@@ -204,6 +206,11 @@ SIMD void vf_lanes_together(vf p[4]) /* and back */
     p[1] = _mm256_permute2f128_ps(c, d, 0x20);
     p[2] = _mm256_permute2f128_ps(a, b, 0x31);
     p[3] = _mm256_permute2f128_ps(c, d, 0x31);
+}
+SIMD vf vf_slide(vf a, vf b)
+{
+    __m256i between = _mm256_castps_si256(_mm256_permute2f128_ps(a, b, 0x21)); /* upper half of a, lower of b */
+    return _mm256_castsi256_ps(_mm256_alignr_epi8(_mm256_castps_si256(b), between, 12));
 }
 SIMD void vf_transpose_4(vf p[4])
 {
@@ -332,6 +339,11 @@ SIMD vf vf_scale2(vf a, vf n) { return _mm_mul_ps(a, vi_as_float(vi_shl(vi_add(v
 
 SIMD void vf_lanes_apart(vf p[4]) { (void)p; } /* one pixel each already */
 SIMD void vf_lanes_together(vf p[4]) { (void)p; }
+SIMD vf vf_slide(vf a, vf b)
+{
+    vf between = _mm_shuffle_ps(a, b, _MM_SHUFFLE(0, 0, 3, 3)); /* last of a, first of b */
+    return _mm_shuffle_ps(between, b, _MM_SHUFFLE(2, 1, 2, 0));
+}
 SIMD void vf_transpose_4(vf p[4]) { _MM_TRANSPOSE4_PS(p[0], p[1], p[2], p[3]); }
 SIMD void vi_store_u16(uint16_t *p, vi a) /* there is no unsigned pack: signed, about 2^15 */
 {
@@ -426,6 +438,7 @@ SIMD vf vf_scale2(vf a, vf n) { return a * vi_as_float(vi_shl(vi_add(vf_nearest(
 
 SIMD void vf_lanes_apart(vf p[4]) { (void)p; } /* one pixel each already */
 SIMD void vf_lanes_together(vf p[4]) { (void)p; }
+SIMD vf vf_slide(vf a, vf b) { return vextq_f32(a, b, 3); }
 SIMD void vf_transpose_4(vf p[4])
 {
     float32x4x2_t a = vtrnq_f32(p[0], p[1]), b = vtrnq_f32(p[2], p[3]);

@@ -3,6 +3,8 @@
 
 #include "cpu/smooth/filter.h"
 
+#include <string.h>
+
 typedef void filter_function(struct backend *cpu, const struct frame *frame);
 
 static filter_function *const filters[] = {
@@ -13,6 +15,8 @@ static filter_function *const filters[] = {
     [MNS_FILTER_GAUSSIAN] = mns_smooth_gaussian,
     [MNS_FILTER_BILATERAL] = mns_smooth_bilateral,
     [MNS_FILTER_BILATERAL_1D] = mns_smooth_bilateral,
+    [MNS_FILTER_CURVATURE_FLOW] = mns_smooth_curvature_flow,
+    [MNS_FILTER_ADAPTIVE_CURVATURE_FLOW] = mns_smooth_curvature_flow,
     [MNS_FILTER_PLANE_FIT] = mns_smooth_plane_fit,
 };
 
@@ -31,6 +35,81 @@ static bool resize(struct depth_plane *plane, struct memory *memory, const struc
     return true;
 }
 
+void mns_smooth_copy_block(const struct depth_plane *in, struct depth_plane *out, int bx, int by)
+{
+    int index = by * in->blocks_x + bx;
+    if (out->ranges[index].min >= DEPTH_LIMIT) {
+        return;
+    }
+    ptrdiff_t at = by * BLOCK_HEIGHT * in->plane.stride + bx * BLOCK_WIDTH;
+    for (int y = 0; y < BLOCK_HEIGHT; y++, at += in->plane.stride) {
+        memcpy(out->plane.data + at, in->plane.data + at, BLOCK_WIDTH * sizeof(float));
+    }
+    out->ranges[index] = in->ranges[index];
+}
+
+void mns_smooth_copy_empty(struct backend *cpu, const struct depth_plane *start)
+{
+    for (int i = 0; i < 2; i++) {
+        for (int block = 0; block < start->blocks_x * start->blocks_y; block++) {
+            if (start->ranges[block].min >= DEPTH_LIMIT) {
+                mns_smooth_copy_block(start, &cpu->depth[i], block % start->blocks_x, block / start->blocks_x);
+            } else {
+                cpu->depth[i].ranges[block] = start->ranges[block];
+            }
+        }
+    }
+}
+
+/* Past the picture's edge blocks hold 0, which is not part of their range. */
+static void measure_row(void *context, int by)
+{
+    const struct depth_plane *depth = context;
+    int bottom = depth->plane.height - by * BLOCK_HEIGHT, rows = bottom < BLOCK_HEIGHT ? bottom : BLOCK_HEIGHT;
+    for (int bx = 0; bx < depth->blocks_x; bx++) {
+        struct depth_range *range = &depth->ranges[by * depth->blocks_x + bx];
+        if (range->min >= DEPTH_LIMIT) {
+            continue;
+        }
+        int right = depth->plane.width - bx * BLOCK_WIDTH, columns = right < BLOCK_WIDTH ? right : BLOCK_WIDTH;
+        const float *at = depth->plane.data + by * BLOCK_HEIGHT * depth->plane.stride + bx * BLOCK_WIDTH;
+        float nearest[BLOCK_WIDTH], farthest[BLOCK_WIDTH];
+        memcpy(nearest, at, sizeof(nearest));
+        memcpy(farthest, at, sizeof(farthest));
+        for (int y = 1; y < rows; y++) {
+            for (int x = 0; x < BLOCK_WIDTH; x++) {
+                float value = at[y * depth->plane.stride + x];
+                nearest[x] = value < nearest[x] ? value : nearest[x];
+                farthest[x] = value > farthest[x] ? value : farthest[x];
+            }
+        }
+        *range = (struct depth_range){DEPTH_EMPTY, 0};
+        for (int x = 0; x < columns; x++) {
+            range->min = nearest[x] < range->min ? nearest[x] : range->min;
+            range->max = farthest[x] > range->max ? farthest[x] : range->max;
+        }
+    }
+}
+
+void mns_smooth_measure(struct backend *cpu)
+{
+    if (cpu->smoothed != &cpu->depth_raw) {
+        cpu_run(cpu, measure_row, cpu->smoothed, cpu->smoothed->blocks_y);
+    }
+}
+
+static bool reserve(struct backend *cpu, const struct view *view)
+{
+    for (int i = 0; i < 2; i++) {
+        if (!resize(&cpu->depth[i], cpu->host.memory, view)) {
+            return false;
+        }
+    }
+    size_t blocks = (size_t)cpu->depth[0].blocks_x * (size_t)cpu->depth[0].blocks_y;
+    cpu->block_values = mns_memory_reserve(cpu->host.memory, cpu->block_values, &cpu->block_values_capacity, 3 * blocks, sizeof(float));
+    return cpu->block_values != NULL;
+}
+
 mns_result mns_cpu_smooth(struct backend *cpu, const struct frame *frame)
 {
     cpu->smoothed = &cpu->depth_raw;
@@ -38,10 +117,8 @@ mns_result mns_cpu_smooth(struct backend *cpu, const struct frame *frame)
     if (!filter) {
         return MNS_OK;
     }
-    for (int i = 0; i < 2; i++) {
-        if (!resize(&cpu->depth[i], cpu->host.memory, &frame->view)) {
-            return cpu_out_of_memory(cpu);
-        }
+    if (!reserve(cpu, &frame->view)) {
+        return cpu_out_of_memory(cpu);
     }
     for (int i = 0; i < 3 && frame->params.filter == MNS_FILTER_PLANE_FIT; i++) {
         if (!mns_plane_resize(&cpu->depth_normal[i], cpu->host.memory, frame->view.width, frame->view.height, PLANE_BORDER)) {

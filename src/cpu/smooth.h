@@ -4,6 +4,7 @@
 
 #include "cpu/smooth/bilateral.h"
 #include "cpu/smooth/gaussian.h"
+#include "cpu/smooth/flow.h"
 #include "cpu/smooth/narrow_range.h"
 #include "cpu/smooth/plane_fit.h"
 
@@ -12,6 +13,7 @@ struct smooth_kernels {
     const struct gaussian_kernels *gaussian;
     const struct bilateral_kernels *bilateral;
     const struct plane_fit_kernels *plane_fit;
+    const struct flow_kernels *flow;
 };
 
 extern const struct smooth_kernels mns_smooth_kernels_scalar, mns_smooth_kernels_sse2, mns_smooth_kernels_avx2, mns_smooth_kernels_avx512,

@@ -14,6 +14,9 @@
 #include <stdbool.h>
 #include <unistd.h>
 
+/* Of each thread: jobs hold rows of pixels on it, and some systems give as little as 128 KiB. The sanitizers want more. */
+enum { STACK_SIZE = 4 << 20 };
+
 struct pool {
     struct memory memory;
     pthread_t *threads;
@@ -97,13 +100,21 @@ struct pool *mns_pool_create(int threads, const struct mns_allocator *allocator)
     if (!pool->threads) {
         goto fail_threads;
     }
+    pthread_attr_t attributes;
+    if (pthread_attr_init(&attributes)) {
+        mns_pool_destroy(pool);
+        return NULL;
+    }
+    pthread_attr_setstacksize(&attributes, STACK_SIZE); /* where it is refused the system's own size must do */
     while (pool->thread_count < pool->capacity) {
-        if (pthread_create(&pool->threads[pool->thread_count], NULL, work, pool)) {
+        if (pthread_create(&pool->threads[pool->thread_count], &attributes, work, pool)) {
+            pthread_attr_destroy(&attributes);
             mns_pool_destroy(pool);
             return NULL;
         }
         pool->thread_count++;
     }
+    pthread_attr_destroy(&attributes);
     return pool;
 
 fail_threads:

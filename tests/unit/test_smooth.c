@@ -253,8 +253,8 @@ static void test_dynamic_range_closes_cracks(void **state)
 static void test_sigma_changes_without_a_step(void **state)
 {
     (void)state;
-    for (int i = 0; i < WINDOWED; i++) {
-        int filter = (int)windowed[i];
+    for (int i = 0; i < FILTERS; i++) {
+        int filter = (int)all_filters[i];
         for (int side = -1; side <= 1; side += 2) {
             struct fixture *a = fixture_create(200, 120, mns_isa_best(), 2), *b = fixture_create(200, 120, mns_isa_best(), 2);
             a->frame.params.filter = b->frame.params.filter = filter;
@@ -282,8 +282,8 @@ static float mirrored(const struct fixture *fixture, int x, int y)
 static void test_a_mirrored_picture_is_smoothed_to_the_mirror(void **state)
 {
     (void)state;
-    for (int i = 0; i < WINDOWED; i++) {
-        int filter = (int)windowed[i];
+    for (int i = 0; i < FILTERS; i++) {
+        int filter = (int)all_filters[i];
         for (int mirror = 1; mirror < 4; mirror++) {
             struct fixture *a = fixture_create(201, 123, mns_isa_best(), 2), *b = fixture_create(201, 123, mns_isa_best(), 2);
             a->frame.params.filter = b->frame.params.filter = filter;
@@ -312,8 +312,8 @@ static void test_instruction_sets_agree(void **state)
 {
     (void)state;
     for (int isa = MNS_ISA_SSE2; isa <= MNS_ISA_NEON; isa++) {
-        for (int i = 0; mns_kernels_get((enum mns_isa)isa) && i < WINDOWED; i++) {
-            int filter = (int)windowed[i];
+        for (int i = 0; mns_kernels_get((enum mns_isa)isa) && i < FILTERS; i++) {
+            int filter = (int)all_filters[i];
             struct fixture *a = fixture_create(200, 120, MNS_ISA_SCALAR, 2), *b = fixture_create(200, 120, (enum mns_isa)isa, 2);
             a->frame.params.filter = b->frame.params.filter = filter;
             fill(a, splashes);
@@ -373,8 +373,8 @@ static void test_threads_do_not_change_a_byte(void **state)
 {
     (void)state;
     static const int threads[] = {2, 7};
-    for (int i = 0; i < WINDOWED; i++) {
-        int filter = (int)windowed[i];
+    for (int i = 0; i < FILTERS; i++) {
+        int filter = (int)all_filters[i];
         struct fixture *one = fixture_create(203, 121, mns_isa_best(), 1);
         one->frame.params.filter = filter;
         fill(one, splashes);
@@ -397,8 +397,8 @@ static void test_threads_do_not_change_a_byte(void **state)
 static void test_planes_come_with_borders_and_ranges(void **state)
 {
     (void)state;
-    for (int i = 0; i <= WINDOWED; i++) {
-        int filter = i < WINDOWED ? (int)windowed[i] : MNS_FILTER_NONE;
+    for (int i = 0; i <= FILTERS; i++) {
+        int filter = i < FILTERS ? (int)all_filters[i] : MNS_FILTER_NONE;
         struct fixture *fixture = fixture_create(75, 45, mns_isa_best(), 1);
         fixture->frame.params.filter = filter;
         fill(fixture, step);

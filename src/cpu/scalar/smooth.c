@@ -6,4 +6,5 @@ const struct smooth_kernels mns_smooth_kernels_scalar = {
     .gaussian = &mns_gaussian_kernels_scalar,
     .bilateral = &mns_bilateral_kernels_scalar,
     .plane_fit = &mns_plane_fit_kernels_scalar,
+    .flow = &mns_flow_kernels_scalar,
 };

@@ -8,4 +8,5 @@ const struct smooth_kernels SIMD_NAME(mns_smooth_kernels) = {
     .gaussian = &SIMD_NAME(mns_gaussian_kernels),
     .bilateral = &SIMD_NAME(mns_bilateral_kernels),
     .plane_fit = &SIMD_NAME(mns_plane_fit_kernels),
+    .flow = &SIMD_NAME(mns_flow_kernels),
 };

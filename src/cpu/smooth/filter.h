@@ -11,11 +11,21 @@ void mns_smooth_narrow_range(struct backend *cpu, const struct frame *frame); /*
 void mns_smooth_gaussian(struct backend *cpu, const struct frame *frame);
 void mns_smooth_bilateral(struct backend *cpu, const struct frame *frame); /* both */
 void mns_smooth_plane_fit(struct backend *cpu, const struct frame *frame);
+void mns_smooth_curvature_flow(struct backend *cpu, const struct frame *frame); /* curvature-flow, adaptive-curvature-flow */
 
 /* The plane of cpu->depth that a pass from cpu->smoothed writes to. */
 static inline struct depth_plane *smooth_target(struct backend *cpu)
 {
     return cpu->smoothed == &cpu->depth[0] ? &cpu->depth[1] : &cpu->depth[0];
 }
+
+/* Copies a block without fluid. What is empty in out already is left alone: most of it is, from the last pass or the last picture. */
+void mns_smooth_copy_block(const struct depth_plane *in, struct depth_plane *out, int bx, int by);
+
+/* For filters that pass over blocks without fluid, before their first step: copies those of start to both planes of cpu->depth. */
+void mns_smooth_copy_empty(struct backend *cpu, const struct depth_plane *start);
+
+/* ... and after their last: the ranges of cpu->smoothed. */
+void mns_smooth_measure(struct backend *cpu);
 
 #endif

@@ -90,18 +90,6 @@ static bool is_plain(const struct window_filter *filter, const struct depth_bloc
     return block->around.max - block->around.min <= filter->delta && block->range.max - block->range.min <= PLAIN_SPREAD * block->range.min;
 }
 
-/* A block without fluid. What is empty in out already is left alone: most of it is, from the last pass or the last picture. */
-static void copy_empty(const struct depth_block *block, struct depth_range *out)
-{
-    if (out->min >= DEPTH_LIMIT) {
-        return;
-    }
-    for (int y = 0; y < BLOCK_HEIGHT; y++) {
-        memcpy(block->out + y * block->stride, block->in + y * block->stride, BLOCK_WIDTH * sizeof(float));
-    }
-    *out = block->range;
-}
-
 static void run_block(const struct pass *pass, int bx, int by)
 {
     int index = by * pass->in->blocks_x + bx;
@@ -113,7 +101,7 @@ static void run_block(const struct pass *pass, int bx, int by)
                                 .x = bx * BLOCK_WIDTH,
                                 .y = by * BLOCK_HEIGHT};
     if (block.range.min >= DEPTH_LIMIT) {
-        copy_empty(&block, &pass->out->ranges[index]);
+        mns_smooth_copy_block(pass->in, pass->out, bx, by);
         return;
     }
     block.around = depths_around(pass, bx, by, block.range.min);
