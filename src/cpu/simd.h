@@ -480,6 +480,33 @@ SIMD vi vi_select(vm m, vi a, vi b) { return vf_bits(vf_select(m, vi_as_float(a)
 SIMD vf vf_zero(void) { return vf_set1(0.0f); }
 SIMD vf vf_clamp(vf a, vf low, vf high) { return vf_min(vf_max(a, low), high); }
 
+/* VLEN rows of VLEN pixels become its columns. */
+SIMD void vf_transpose(vf p[VLEN])
+{
+    for (int i = 0; i < VLEN; i += 4) {
+        vf_transpose_4(p + i);
+    }
+#if VLEN == 16
+    for (int i = 0; i < 4; i++) {
+        vf quad[4] = {p[i], p[4 + i], p[8 + i], p[12 + i]};
+        vf_lanes_apart(quad);
+        p[i] = quad[0];
+        p[4 + i] = quad[1];
+        p[8 + i] = quad[2];
+        p[12 + i] = quad[3];
+    }
+#elif VLEN == 8
+    for (int i = 0; i < 4; i += 2) {
+        vf quad[4] = {p[i], p[i + 1], p[4 + i], p[5 + i]};
+        vf_lanes_apart(quad);
+        p[i] = quad[0];
+        p[4 + i] = quad[1];
+        p[i + 1] = quad[2];
+        p[5 + i] = quad[3];
+    }
+#endif
+}
+
 /* One Newton step on the processor's estimate. */
 SIMD vf vf_rcp(vf a)
 {

@@ -17,6 +17,7 @@ static filter_function *const filters[] = {
     [MNS_FILTER_BILATERAL_1D] = mns_smooth_bilateral,
     [MNS_FILTER_CURVATURE_FLOW] = mns_smooth_curvature_flow,
     [MNS_FILTER_ADAPTIVE_CURVATURE_FLOW] = mns_smooth_curvature_flow,
+    [MNS_FILTER_IMPLICIT_CURVATURE_FLOW] = mns_smooth_implicit_flow,
     [MNS_FILTER_PLANE_FIT] = mns_smooth_plane_fit,
 };
 
@@ -98,12 +99,20 @@ void mns_smooth_measure(struct backend *cpu)
     }
 }
 
-static bool reserve(struct backend *cpu, const struct view *view)
+static bool reserve(struct backend *cpu, const struct frame *frame)
 {
     for (int i = 0; i < 2; i++) {
-        if (!resize(&cpu->depth[i], cpu->host.memory, view)) {
+        if (!resize(&cpu->depth[i], cpu->host.memory, &frame->view)) {
             return false;
         }
+    }
+    for (int i = 0; i < 3 && frame->params.filter == MNS_FILTER_PLANE_FIT; i++) {
+        if (!mns_plane_resize(&cpu->depth_normal[i], cpu->host.memory, frame->view.width, frame->view.height, PLANE_BORDER)) {
+            return false;
+        }
+    }
+    if (frame->params.filter == MNS_FILTER_IMPLICIT_CURVATURE_FLOW && !mns_implicit_flow_reserve(cpu)) {
+        return false;
     }
     size_t blocks = (size_t)cpu->depth[0].blocks_x * (size_t)cpu->depth[0].blocks_y;
     cpu->block_values = mns_memory_reserve(cpu->host.memory, cpu->block_values, &cpu->block_values_capacity, 3 * blocks, sizeof(float));
@@ -117,13 +126,8 @@ mns_result mns_cpu_smooth(struct backend *cpu, const struct frame *frame)
     if (!filter) {
         return MNS_OK;
     }
-    if (!reserve(cpu, &frame->view)) {
+    if (!reserve(cpu, frame)) {
         return cpu_out_of_memory(cpu);
-    }
-    for (int i = 0; i < 3 && frame->params.filter == MNS_FILTER_PLANE_FIT; i++) {
-        if (!mns_plane_resize(&cpu->depth_normal[i], cpu->host.memory, frame->view.width, frame->view.height, PLANE_BORDER)) {
-            return cpu_out_of_memory(cpu);
-        }
     }
     filter(cpu, frame);
     return MNS_OK;

@@ -5,6 +5,7 @@
 #include "cpu/smooth/bilateral.h"
 #include "cpu/smooth/gaussian.h"
 #include "cpu/smooth/flow.h"
+#include "cpu/smooth/implicit_flow.h"
 #include "cpu/smooth/narrow_range.h"
 #include "cpu/smooth/plane_fit.h"
 
@@ -14,6 +15,7 @@ struct smooth_kernels {
     const struct bilateral_kernels *bilateral;
     const struct plane_fit_kernels *plane_fit;
     const struct flow_kernels *flow;
+    const struct implicit_flow_kernels *implicit_flow;
 };
 
 extern const struct smooth_kernels mns_smooth_kernels_scalar, mns_smooth_kernels_sse2, mns_smooth_kernels_avx2, mns_smooth_kernels_avx512,

@@ -12,6 +12,7 @@ void mns_smooth_gaussian(struct backend *cpu, const struct frame *frame);
 void mns_smooth_bilateral(struct backend *cpu, const struct frame *frame); /* both */
 void mns_smooth_plane_fit(struct backend *cpu, const struct frame *frame);
 void mns_smooth_curvature_flow(struct backend *cpu, const struct frame *frame); /* curvature-flow, adaptive-curvature-flow */
+void mns_smooth_implicit_flow(struct backend *cpu, const struct frame *frame);
 
 /* The plane of cpu->depth that a pass from cpu->smoothed writes to. */
 static inline struct depth_plane *smooth_target(struct backend *cpu)
@@ -27,5 +28,8 @@ void mns_smooth_copy_empty(struct backend *cpu, const struct depth_plane *start)
 
 /* ... and after their last: the ranges of cpu->smoothed. */
 void mns_smooth_measure(struct backend *cpu);
+
+/* Memory of implicit-curvature-flow, after the planes have their size. false: out of memory. */
+bool mns_implicit_flow_reserve(struct backend *cpu);
 
 #endif

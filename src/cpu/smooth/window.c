@@ -4,7 +4,6 @@
 #include "cpu/smooth/filter.h"
 
 #include <math.h>
-#include <string.h>
 
 /* The kernel of the 5x5 pass ends where the first pixel outside it stands, so that it is the widest one of that size. */
 static const float SQUARE_END = 3; /* pixels */
