@@ -40,30 +40,47 @@ SIMD vf mean_result(const struct window_filter *filter, const struct mean *mean)
     return vf_fma(mean->sum * vf_set1(filter->delta), vf_rcp(mean->weights + own), mean->depth);
 }
 
-SIMD vf line_pixels(const struct window_filter *filter, vf depth, const float *at, ptrdiff_t step, ptrdiff_t reach, int axis,
-                    enum taps taps)
+/* Pixels on their way along a line of taps. */
+struct line {
+    const float *at;
+    struct mean mean;
+    struct gaussian g;
+};
+
+SIMD struct line line_start(const struct window_filter *filter, vf depth, const float *at, int axis)
 {
-    struct mean mean = mean_start(filter, depth);
-    struct gaussian g = gaussian_start(exponent(filter, axis, depth));
-    for (ptrdiff_t tap = step; tap <= reach; tap += step, gaussian_step(&g)) {
-        mean_add_pair(&mean, weight_above_cut(g.weight, filter), at, tap, taps);
-    }
-    return mean_result(filter, &mean);
+    return (struct line){at, mean_start(filter, depth), gaussian_start(exponent(filter, axis, depth))};
 }
 
+SIMD void line_tap(const struct window_filter *filter, struct line *line, ptrdiff_t tap, enum taps taps)
+{
+    mean_add_pair(&line->mean, weight_above_cut(line->g.weight, filter), line->at, tap, taps);
+    gaussian_step(&line->g);
+}
+
+/* Two rows at once where their state fits the registers: one alone leaves the processor waiting for its results. */
 SIMD struct depth_range line_block(const struct window_filter *filter, const struct depth_block *block, int axis, enum taps taps)
 {
+    enum { ROWS = VLEN == 16 ? 2 : 1 };
     struct extent extent = extent_start();
-    ptrdiff_t step = axis == AXIS_X ? 1 : block->stride, reach = window_reach(filter, axis, block->range.min) * step;
-    for (int y = 0; y < BLOCK_HEIGHT; y++) {
+    ptrdiff_t stride = block->stride, step = axis == AXIS_X ? 1 : stride, reach = window_reach(filter, axis, block->range.min) * step;
+    for (int y = 0; y < BLOCK_HEIGHT; y += ROWS) {
         for (int x = 0; x < BLOCK_WIDTH; x += VLEN) {
-            ptrdiff_t at = y * block->stride + x;
-            struct pixels pixels = pixels_load(block->in + at, block->range.min);
-            vf result = pixels.depth;
-            if (vm_any(pixels.fluid)) {
-                result = line_pixels(filter, pixels.depth, block->in + at, step, reach, axis, taps);
+            ptrdiff_t at = y * stride + x, next = at + (ROWS - 1) * stride;
+            struct pixels pixels = pixels_load(block->in + at, block->range.min), pixels2 = pixels_load(block->in + next, block->range.min);
+            struct line line = line_start(filter, pixels.depth, block->in + at, axis);
+            struct line line2 = line_start(filter, pixels2.depth, block->in + next, axis);
+            ptrdiff_t end = vm_any(vm_or(pixels.fluid, pixels2.fluid)) ? reach : 0;
+            for (ptrdiff_t tap = step; tap <= end; tap += step) {
+                line_tap(filter, &line, tap, taps);
+                if (ROWS == 2) {
+                    line_tap(filter, &line2, tap, taps);
+                }
             }
-            pixels_store(&pixels, result, block->out + at, &extent);
+            pixels_store(&pixels, mean_result(filter, &line.mean), block->out + at, &extent);
+            if (ROWS == 2) {
+                pixels_store(&pixels2, mean_result(filter, &line2.mean), block->out + next, &extent);
+            }
         }
     }
     return extent_range(&extent);
