@@ -1,20 +1,22 @@
 /* help.c: help texts and docs/options.md, made from the table of options and the table of parameters. */
+#include "lab/table.h"
 #include "option_table.h"
 #include "program.h"
 #include "sample.h"
 
 #include <string.h>
 
-static const enum command commands[] = {COMMAND_RENDER, COMMAND_INFO, COMMAND_BENCH, COMMAND_SAMPLE};
+static const enum command commands[] = {COMMAND_RENDER, COMMAND_INFO, COMMAND_BENCH, COMMAND_SAMPLE, COMMAND_LAB};
 
 enum { COMMANDS = sizeof(commands) / sizeof(commands[0]) };
 
 static const char *usage_of(enum command command)
 {
-    return command == COMMAND_RENDER  ? "meniscus render INPUT... -o OUTPUT [options]"
-           : command == COMMAND_INFO  ? "meniscus info INPUT... [options]"
-           : command == COMMAND_BENCH ? "meniscus bench INPUT... [options]"
-                                      : "meniscus sample NAME --particles N -o FILE [options]";
+    return command == COMMAND_RENDER   ? "meniscus render INPUT... -o OUTPUT [options]"
+           : command == COMMAND_INFO   ? "meniscus info INPUT... [options]"
+           : command == COMMAND_BENCH  ? "meniscus bench INPUT... [options]"
+           : command == COMMAND_SAMPLE ? "meniscus sample NAME --particles N -o FILE [options]"
+                                       : "meniscus lab [options]";
 }
 
 static const char *text_of(enum command command)
@@ -26,7 +28,10 @@ static const char *text_of(enum command command)
            : command == COMMAND_BENCH
                ? "Measures the time per stage, without file access: the median over new views of a prepared particle set. A case file "
                  "(.json) brings its view."
-               : "Makes particles with position, velocity, density and id: exactly N of them, and the same ones every time.";
+           : command == COMMAND_SAMPLE
+               ? "Makes particles with position, velocity, density and id: exactly N of them, and the same ones every time."
+               : "Measures every filter on particles whose surface is known in closed form, and tells whether what the papers say of "
+                 "them holds. All lengths are in r, the splat radius.";
 }
 
 /* "--output OUTPUT" or "-o, --output OUTPUT". */
@@ -93,6 +98,16 @@ static void print_parameters(FILE *out)
     list_parameters(out, false);
 }
 
+static void print_lab(FILE *out)
+{
+    fprintf(out, "\nScenes:\n");
+    for (int i = 0; i < lab_scene_count(); i++) {
+        fprintf(out, "  %-24s %s\n", lab_scene_name(i), lab_scene_text(i));
+    }
+    fprintf(out, "\nColumns (in text; in JSON and CSV):\n");
+    lab_write_legend(out);
+}
+
 void options_help(FILE *out, enum command command)
 {
     fprintf(out, "usage: %s\n\n%s\n\nOptions:\n", usage_of(command), text_of(command));
@@ -108,6 +123,9 @@ void options_help(FILE *out, enum command command)
         for (const struct sample_shape *shape = sample_shapes; shape->name; shape++) {
             fprintf(out, "  %-24s %s\n", shape->name, shape->help);
         }
+    }
+    if (command == COMMAND_LAB) {
+        print_lab(out);
     }
     if (command == COMMAND_RENDER || command == COMMAND_BENCH) {
         print_parameters(out);

@@ -15,6 +15,7 @@ static const struct {
     {"info", COMMAND_INFO, command_info, "what a file holds"},
     {"bench", COMMAND_BENCH, command_bench, "milliseconds per stage"},
     {"sample", COMMAND_SAMPLE, command_sample, "procedural particle sets of any size"},
+    {"lab", COMMAND_LAB, command_lab, "measures the filters on surfaces known in closed form"},
 };
 
 enum { COMMANDS = sizeof(commands) / sizeof(commands[0]) };
@@ -88,7 +89,7 @@ int main(int count, char **arguments)
         print_help(stderr);
         return STATUS_USAGE;
     } else {
-        return program_usage("unknown command '%s'; there are render, info, bench and sample, and --help", word);
+        return program_usage("unknown command '%s'; there are render, info, bench, sample and lab, and --help", word);
     }
     return program_flush() ? STATUS_DONE : STATUS_FAILED;
 }

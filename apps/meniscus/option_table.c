@@ -1,6 +1,8 @@
 /* option_table.c: what each option does with its value. */
 #include "option_table.h"
 
+#include "lab/run.h"
+
 #include <errno.h>
 #include <math.h>
 #include <stdarg.h>
@@ -395,12 +397,71 @@ static bool set_particles(struct options *options, const char *value, struct mns
     return good || refuse(message, "'%s' must be a whole number from 1 to %lld, such as 1000, 100k or 10M", value, most);
 }
 
+/* "a,b,c" into bits by number. */
+static bool set_names(const char *value, int (*find)(const char *name), const char *(*name_of)(int number), int count, unsigned long *out,
+                      struct mns_message *message)
+{
+    for (const char *at = value;; at++) {
+        char name[64], list[512] = "";
+        size_t length = strcspn(at, ",");
+        snprintf(name, sizeof(name), "%.*s", (int)length, at);
+        int number = find(name);
+        if (number < 0) {
+            for (int i = 0; i < count; i++) {
+                append_name(list, sizeof(list), name_of(i));
+            }
+            return refuse(message, "'%s' is none of %s", name, list);
+        }
+        *out |= 1UL << number;
+        at += length;
+        if (!*at) {
+            return true;
+        }
+    }
+}
+
+static bool set_lab_filters(struct options *options, const char *value, struct mns_message *message)
+{
+    return set_names(value, lab_filter_find, lab_filter_name, lab_filter_count(), &options->lab_filters, message);
+}
+
+static bool set_lab_scenes(struct options *options, const char *value, struct mns_message *message)
+{
+    return set_names(value, lab_scene_find, lab_scene_name, lab_scene_count(), &options->lab_scenes, message);
+}
+
+static bool set_equal_time(struct options *options, const char *value, struct mns_message *message)
+{
+    return (parse_numbers(value, 1, &options->equal_time) && options->equal_time > 0) ||
+           refuse(message, "'%s' must be a number of milliseconds above 0", value);
+}
+
+static bool set_pictures(struct options *options, const char *value, struct mns_message *message)
+{
+    options->pictures = value;
+    return *value || refuse(message, "the name is empty");
+}
+
+static bool set_plot(struct options *options, const char *value, struct mns_message *message)
+{
+    options->plot = value;
+    return *value || refuse(message, "the name is empty");
+}
+
+static bool set_csv(struct options *options, const char *value, struct mns_message *message)
+{
+    (void)value;
+    (void)message;
+    return options->csv = true;
+}
+
 /* ---- the table ---- */
 
 enum {
     DRAWS = COMMAND_RENDER | COMMAND_BENCH,
+    SMOOTHS = COMMAND_RENDER | COMMAND_BENCH | COMMAND_LAB,
     READS = COMMAND_RENDER | COMMAND_BENCH | COMMAND_INFO,
-    ALL = COMMAND_RENDER | COMMAND_BENCH | COMMAND_INFO | COMMAND_SAMPLE
+    ALL = COMMAND_RENDER | COMMAND_BENCH | COMMAND_INFO | COMMAND_SAMPLE | COMMAND_LAB
 };
 
 const struct option_row option_table[] = {
@@ -408,9 +469,11 @@ const struct option_row option_table[] = {
      "the picture: .png or .npy; for several frames a pattern such as out_%04d.png, numbered as the inputs are; - for standard output"},
     {"--output", 'o', "FILE", COMMAND_SAMPLE, NULL, set_output, "the particles: .npz (all attributes) or .npy (positions)"},
     {"--output-format", 0, "FORMAT", COMMAND_RENDER, NULL, set_output_format, "of standard output: png or rgba (bytes, row by row)"},
+    {"--output", 'o', "FILE", COMMAND_LAB, NULL, set_output, "the table (standard output)"},
     {"--particles", 0, "N", COMMAND_SAMPLE, NULL, set_particles, "how many particles: 1000, 100k, 10M"},
 
     {"--size", 0, "WxH", DRAWS, NULL, set_size, "pixels of the picture (1920x1080)"},
+    {"--size", 0, "WxH", COMMAND_LAB, NULL, set_size, "pixels of the pictures; larger ones show more particles of the same size (640x480)"},
     {"--eye", 0, "X,Y,Z", DRAWS, NULL, set_eye, "where the camera stands; what is left out is framed from the particles"},
     {"--target", 0, "X,Y,Z", DRAWS, NULL, set_target, "what it looks at"},
     {"--up", 0, "X,Y,Z", DRAWS, NULL, set_up, "which way is up in the picture (the up axis)"},
@@ -428,10 +491,12 @@ const struct option_row option_table[] = {
     {"--format", 0, "NAME", READS, NULL, set_format, "format of the inputs, for standard input (-)"},
 
     {"--filter", 0, "NAME", DRAWS, "filter", NULL, "none, narrow-range, narrow-range-1d, narrow-range-1d-cleanup"},
-    {"--iterations", 0, "N", DRAWS, "iterations", NULL, "how often it smooths"},
-    {"--sigma", 0, "S", DRAWS, "sigma", NULL, "sigma of its kernel, in splat radii"},
-    {"--delta", 0, "D", DRAWS, "delta", NULL, "depth range that is smoothed together, in splat radii"},
-    {"--mu", 0, "M", DRAWS, "mu", NULL, "where what lies beyond counts, in splat radii"},
+    {"--filter", 0, "NAME,...", COMMAND_LAB, NULL, set_lab_filters, "filters to measure (all, and the papers' claims); repeatable"},
+    {"--scenes", 0, "NAME,...", COMMAND_LAB, NULL, set_lab_scenes, "scenes to measure them in (all, and the papers' claims); repeatable"},
+    {"--iterations", 0, "N", SMOOTHS, "iterations", NULL, "how often it smooths"},
+    {"--sigma", 0, "S", SMOOTHS, "sigma", NULL, "sigma of its kernel, in splat radii"},
+    {"--delta", 0, "D", SMOOTHS, "delta", NULL, "depth range that is smoothed together, in splat radii"},
+    {"--mu", 0, "M", SMOOTHS, "mu", NULL, "where what lies beyond counts, in splat radii"},
 
     {"--display", 0, "MODE", DRAWS, "display", NULL, "beauty, opaque, spheres, normal, depth, thickness, curvature"},
     {"--layer", 0, "NAME=FILE", COMMAND_RENDER, NULL, set_layer, "save a layer as .npy (a pattern in a sequence); repeatable"},
@@ -439,8 +504,8 @@ const struct option_row option_table[] = {
     {"--sun", 0, "AZ,EL", DRAWS, NULL, set_sun, "where the sun stands, degrees about the up axis and above the horizon"},
     {"--exposure", 0, "EV", DRAWS, "exposure", NULL, "the picture's light times 2^EV"},
     {"--background", 0, "COLOR", DRAWS, NULL, set_background, "sky, transparent, or RRGGBB"},
-    {"--set", 0, "NAME=VALUE", DRAWS, NULL, set_parameter, "any parameter of the list below; repeatable"},
-    {"--look", 0, "FILE.json", DRAWS, NULL, set_look, "parameters from a file; options go before it; repeatable"},
+    {"--set", 0, "NAME=VALUE", SMOOTHS, NULL, set_parameter, "any parameter of the list below; repeatable"},
+    {"--look", 0, "FILE.json", SMOOTHS, NULL, set_look, "parameters from a file; options go before it; repeatable"},
     {"--save-look", 0, "FILE.json", DRAWS, NULL, set_save_look, "save the parameters that differ from the defaults"},
 
     {"--frames", 0, "A:B:STEP", COMMAND_RENDER, NULL, set_frames, "which frames, by the numbers in the file names, inclusive"},
@@ -448,13 +513,18 @@ const struct option_row option_table[] = {
     {"--keep-going", 0, NULL, COMMAND_RENDER, NULL, set_keep_going, "skip and count frames that cannot be read"},
 
     {"--backend", 0, "NAME", DRAWS, NULL, set_backend, "auto or cpu"},
-    {"--threads", 0, "N", DRAWS, NULL, set_threads, "threads (all the processors this process may use)"},
-    {"--isa", 0, "NAME", DRAWS, NULL, set_isa, "scalar, sse2, avx2, avx512 or neon (the best there is)"},
+    {"--threads", 0, "N", SMOOTHS, NULL, set_threads, "threads (all the processors this process may use)"},
+    {"--isa", 0, "NAME", SMOOTHS, NULL, set_isa, "scalar, sse2, avx2, avx512 or neon (the best there is)"},
     {"--repeat", 0, "N", COMMAND_BENCH, NULL, set_repeat, "frames to measure (20)"},
+    {"--repeat", 0, "N", COMMAND_LAB, NULL, set_repeat, "draws of which the fastest counts (3)"},
+    {"--equal-time", 0, "MS", COMMAND_LAB, NULL, set_equal_time, "what is the best that each filter does in so many milliseconds"},
+    {"--plot", 0, "FILE.svg", COMMAND_LAB, NULL, set_plot, "error against time, for each filter with many settings"},
+    {"--pictures", 0, "FOLDER", COMMAND_LAB, NULL, set_pictures, "a picture of each filter in each scene, and a sheet of each scene's"},
     {"--warmup", 0, "N", COMMAND_BENCH, NULL, set_warmup, "frames before that (3)"},
     {"--stats", 0, "FILE.json", COMMAND_RENDER, NULL, set_stats,
      "per frame and stage: milliseconds, particles, pixels, bytes; peak memory"},
-    {"--json", 0, NULL, COMMAND_INFO | COMMAND_BENCH, NULL, set_json, "for programs"},
+    {"--json", 0, NULL, COMMAND_INFO | COMMAND_BENCH | COMMAND_LAB, NULL, set_json, "for programs"},
+    {"--csv", 0, NULL, COMMAND_LAB, NULL, set_csv, "for spreadsheets: a line per scene and filter"},
     {"--quiet", 'q', NULL, ALL, NULL, set_quiet, "no warnings, no progress"},
     {"--verbose", 'v', NULL, COMMAND_RENDER | COMMAND_BENCH, NULL, set_verbose, "tell what is done"},
     {"--help", 'h', NULL, ALL, NULL, set_help, "this text"},
@@ -468,5 +538,9 @@ bool option_apply(struct options *options, const struct option_row *row, const c
 
 const char *option_command_name(enum command command)
 {
-    return command == COMMAND_RENDER ? "render" : command == COMMAND_INFO ? "info" : command == COMMAND_BENCH ? "bench" : "sample";
+    return command == COMMAND_RENDER   ? "render"
+           : command == COMMAND_INFO   ? "info"
+           : command == COMMAND_BENCH  ? "bench"
+           : command == COMMAND_SAMPLE ? "sample"
+                                       : "lab";
 }

@@ -119,6 +119,11 @@ int options_parse(struct options *options, enum command command, int count, char
 {
     size_t room = (size_t)count + 1;
     *options = (struct options){.command = command, .width = 1920, .height = 1080, .camera.fov = 45, .step = 1, .repeat = 20, .warmup = 3};
+    if (command == COMMAND_LAB) { /* many small pictures */
+        options->width = 640;
+        options->height = 480;
+        options->repeat = 3;
+    }
     mns_params_init(&options->params);
     options->inputs = calloc(room, sizeof(*options->inputs));
     options->roles = calloc(room, sizeof(*options->roles));

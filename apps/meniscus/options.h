@@ -9,7 +9,7 @@
 #include <stddef.h>
 #include <stdio.h>
 
-enum command { COMMAND_RENDER = 1, COMMAND_INFO = 2, COMMAND_BENCH = 4, COMMAND_SAMPLE = 8 };
+enum command { COMMAND_RENDER = 1, COMMAND_INFO = 2, COMMAND_BENCH = 4, COMMAND_SAMPLE = 8, COMMAND_LAB = 16 };
 
 struct setting {
     const char *name;
@@ -78,6 +78,11 @@ struct options {
     bool json, quiet, verbose;
     long long repeat, warmup; /* frames */
     long long particles;
+
+    unsigned long lab_filters, lab_scenes; /* a bit each, by number; 0: all */
+    const char *pictures, *plot;           /* a folder, a file */
+    double equal_time;                     /* ms; 0: not asked for */
+    bool csv;
 };
 
 /* Parses what follows the command's name. Returns STATUS_DONE, or STATUS_USAGE or STATUS_FAILED after telling why.

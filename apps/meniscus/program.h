@@ -59,5 +59,6 @@ int command_render(struct options *options);
 int command_info(struct options *options);
 int command_bench(struct options *options);
 int command_sample(struct options *options);
+int command_lab(struct options *options);
 
 #endif

@@ -8,7 +8,7 @@ prints '^reads: .*npy'
 prints '^writes: .*npy'
 prints '^instruction sets: scalar'
 ok --help
-for command in render info bench sample; do
+for command in render info bench sample lab; do
     prints "meniscus $command"
     "$program" $command --help >help.txt 2>.err || complain "$command --help: status $?"
     holds "^usage: meniscus $command" help.txt
