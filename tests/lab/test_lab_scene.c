@@ -209,6 +209,31 @@ static void test_silhouettes(void **state)
     assert_true(isinf(lab_scene_silhouette(&plane, &view, 0, 0, &LAB_TEST_OFFSETS)));
 }
 
+/* What parts two bodies is nowhere near either of them, whatever the picture's size: bumps do not change sides. */
+static void test_bodies_are_told_apart(void **state)
+{
+    (void)state;
+    enum { WIDTH = 640, HEIGHT = 480 };
+    static const char *const names[] = {"step", "drop-0", "drop-45"};
+    static float raw[WIDTH * HEIGHT];
+    struct lab_view view = lab_view_make(WIDTH, HEIGHT);
+    for (int s = 0; s < 3; s++) {
+        struct lab_scene scene = scene_of(names[s], &view);
+        struct lab_reference reference;
+        for (int i = 0; i < WIDTH * HEIGHT; i++) {
+            double ray[3];
+            lab_view_ray(&view, i % WIDTH, i / WIDTH, ray);
+            raw[i] = (float)lab_scene_hit(&scene, ray, &LAB_TEST_OFFSETS).depth;
+        }
+        assert_true(lab_reference_fill(&reference, &scene, &view, raw, LAB_TEST_RADIUS, &LAB_TEST_OFFSETS));
+        for (int i = 0; i < WIDTH * HEIGHT; i++) {
+            assert_true(reference.body[i] == (reference.silhouette[i] > 0));
+            assert_true(fabs((double)(raw[i] - reference.split[i])) > 2);
+        }
+        lab_reference_free(&reference);
+    }
+}
+
 /* From depths of a surface at known offsets, the offsets. */
 static void test_offsets_are_found(void **state)
 {
@@ -262,6 +287,7 @@ int main(void)
         cmocka_unit_test(test_spheres),
         cmocka_unit_test(test_waves),
         cmocka_unit_test(test_silhouettes),
+        cmocka_unit_test(test_bodies_are_told_apart),
         cmocka_unit_test(test_offsets_are_found),
         cmocka_unit_test(test_particles_fill_the_surface),
     };

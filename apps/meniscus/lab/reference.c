@@ -7,10 +7,12 @@
 #include <string.h>
 
 static const double BORDER = 3 * 1.2; /* r */
+static const double APART = 6;        /* spacings: bodies are farther apart along their silhouettes (scene.c) */
 
 static size_t pixel_count(const struct lab_view *view) { return (size_t)view->width * (size_t)view->height; }
 
-/* The depth that parts the foremost body from what is behind it along a ray; 0 where that is nearer, as a tilted plane is below a drop. */
+/* The depth that parts the foremost body from what is behind it along a ray; 0 where that is no farther, as a tilted plane is below a
+ * drop. */
 static double split_of(const struct lab_scene *scene, const double ray[3], const struct lab_offsets *offsets)
 {
     if (scene->bodies < 2) {
@@ -18,7 +20,7 @@ static double split_of(const struct lab_scene *scene, const double ray[3], const
     }
     double behind = lab_body_hit(&scene->body[0], ray, offsets->body[0]).depth;
     double before = -scene->body[1].origin[2];
-    return behind > before ? 0.5 * (behind + before) : 0;
+    return behind - before > APART ? 0.5 * (behind + before) : 0;
 }
 
 /* What is measured at a pixel where depth_raw is `raw`; body -1: nothing. */
