@@ -16,7 +16,7 @@ static const char *usage_of(enum command command)
            : command == COMMAND_INFO   ? "meniscus info INPUT... [options]"
            : command == COMMAND_BENCH  ? "meniscus bench INPUT... [options]"
            : command == COMMAND_SAMPLE ? "meniscus sample NAME --particles N -o FILE [options]"
-                                       : "meniscus lab [options]";
+                                       : "meniscus lab [papers] [options]";
 }
 
 static const char *text_of(enum command command)

@@ -112,8 +112,11 @@ static int run_lab(struct lab *lab, const struct options *options)
 
 int command_lab(struct options *options)
 {
+    if (options->input_count == 1 && !strcmp(options->inputs[0], "papers")) {
+        return command_lab_papers(options);
+    }
     if (options->input_count) {
-        return program_usage("lab makes its own scenes and takes no '%s'; --scenes and --filter choose", options->inputs[0]);
+        return program_usage("lab makes its own scenes and takes no '%s', only papers; --scenes and --filter choose", options->inputs[0]);
     }
     if (options->json && options->csv) {
         return program_usage("--json and --csv exclude each other");

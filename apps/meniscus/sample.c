@@ -86,17 +86,58 @@ static double find_spacing(const struct sample_shape *shape, size_t wanted, stru
     return fine;
 }
 
-static bool get_memory(struct sample_sink *sink, uint32_t **ids, size_t count)
+static bool get_memory(struct sample_sink *sink, size_t count)
 {
     sink->position = malloc(count * 3 * sizeof(float));
     sink->velocity = malloc(count * 3 * sizeof(float));
     sink->density = malloc(count * sizeof(float));
-    *ids = malloc(count * sizeof(uint32_t));
-    return sink->position && sink->velocity && sink->density && *ids;
+    return sink->position && sink->velocity && sink->density;
 }
 
-static int write_sample(const char *path, const struct sample_sink *sink, const uint32_t *ids)
+const struct sample_shape *sample_find(const char *name)
 {
+    const struct sample_shape *shape = sample_shapes;
+    while (shape->name && strcmp(shape->name, name) != 0) {
+        shape++;
+    }
+    return shape->name ? shape : NULL;
+}
+
+int sample_fill(struct sample_sink *sink, const struct sample_shape *shape, size_t count, const char *name)
+{
+    struct sample_sink counted;
+    *sink = (struct sample_sink){0};
+    double spacing = find_spacing(shape, count, &counted);
+    if (program_signal()) {
+        return program_stopped();
+    }
+    sink->surplus = counted.inside + counted.outside - count;
+    sink->thin_all = counted.inside < sink->surplus;
+    sink->of = sink->thin_all ? counted.inside + counted.outside : counted.inside;
+    if (!get_memory(sink, count)) {
+        return program_fail("%s: out of memory for %zu particles of %d bytes", name, count, (int)BYTES);
+    }
+    shape->place(sink, spacing);
+    return program_signal() ? program_stopped() : STATUS_DONE;
+}
+
+void sample_free(struct sample_sink *sink)
+{
+    free(sink->position);
+    free(sink->velocity);
+    free(sink->density);
+    *sink = (struct sample_sink){0};
+}
+
+static int write_sample(const char *path, const struct sample_sink *sink)
+{
+    uint32_t *ids = malloc(sink->kept * sizeof(*ids));
+    if (!ids) {
+        return program_fail("%s: out of memory for %zu particles of %d bytes", path, sink->kept, (int)BYTES);
+    }
+    for (size_t i = 0; i < sink->kept; i++) {
+        ids[i] = (uint32_t)i;
+    }
     struct mns_particles particles;
     struct mns_message message;
     mns_particles_init(&particles);
@@ -105,33 +146,17 @@ static int write_sample(const char *path, const struct sample_sink *sink, const 
     particles.velocity = (struct mns_attr){.data = sink->velocity, .type = MNS_F32};
     particles.density = (struct mns_attr){.data = sink->density, .type = MNS_F32};
     particles.id = (struct mns_attr){.data = ids, .type = MNS_U32};
-    return mns_particles_write(path, &particles, &message) == MNS_OK ? STATUS_DONE : program_fail("%s", message.text);
+    mns_result result = mns_particles_write(path, &particles, &message);
+    free(ids);
+    return result == MNS_OK ? STATUS_DONE : program_fail("%s", message.text);
 }
 
 static int make(const struct sample_shape *shape, size_t count, const char *path)
 {
-    struct sample_sink counted, sink = {0};
-    uint32_t *ids = NULL;
-    double spacing = find_spacing(shape, count, &counted);
-    sink.surplus = counted.inside + counted.outside - count;
-    sink.thin_all = counted.inside < sink.surplus;
-    sink.of = sink.thin_all ? counted.inside + counted.outside : counted.inside;
-    int status = STATUS_DONE;
-    if (program_signal()) {
-        status = program_stopped();
-    } else if (!get_memory(&sink, &ids, count)) {
-        status = program_fail("%s: out of memory for %zu particles of %d bytes", path, count, (int)BYTES);
-    } else {
-        shape->place(&sink, spacing);
-        for (size_t i = 0; i < count; i++) {
-            ids[i] = (uint32_t)i;
-        }
-        status = program_signal() ? program_stopped() : write_sample(path, &sink, ids);
-    }
-    free(sink.position);
-    free(sink.velocity);
-    free(sink.density);
-    free(ids);
+    struct sample_sink sink;
+    int status = sample_fill(&sink, shape, count, path);
+    status = status == STATUS_DONE ? write_sample(path, &sink) : status;
+    sample_free(&sink);
     return status;
 }
 
@@ -144,14 +169,15 @@ int command_sample(struct options *options)
     if (!dot || (strcmp(dot, ".npz") != 0 && strcmp(dot, ".npy") != 0)) {
         return program_usage("%s: particles are written as .npz or .npy", options->output);
     }
+    const struct sample_shape *shape = sample_find(name);
+    if (shape) {
+        int status = program_check_place(options->output);
+        status = status == STATUS_DONE ? program_check_memory(options->output, BYTES * (double)options->particles) : status;
+        program_catch_interrupts();
+        return status == STATUS_DONE ? make(shape, (size_t)options->particles, options->output) : status;
+    }
     char list[128] = "";
-    for (const struct sample_shape *shape = sample_shapes; shape->name; shape++) {
-        if (!strcmp(shape->name, name)) {
-            int status = program_check_place(options->output);
-            status = status == STATUS_DONE ? program_check_memory(options->output, BYTES * (double)options->particles) : status;
-            program_catch_interrupts();
-            return status == STATUS_DONE ? make(shape, (size_t)options->particles, options->output) : status;
-        }
+    for (shape = sample_shapes; shape->name; shape++) {
         size_t used = strlen(list);
         snprintf(list + used, sizeof(list) - used, "%s%s", used ? ", " : "", shape->name);
     }

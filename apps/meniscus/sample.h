@@ -34,6 +34,12 @@ struct sample_shape {
 
 extern const struct sample_shape sample_shapes[]; /* ends with a shape without a name */
 
+const struct sample_shape *sample_find(const char *name); /* NULL: there is none */
+
+/* Exactly `count` particles of a shape, which sample_free gives back whatever came of it. Returns a status; a failure begins with `name`. */
+int sample_fill(struct sample_sink *sink, const struct sample_shape *shape, size_t count, const char *name);
+void sample_free(struct sample_sink *sink);
+
 /* ---- for the shapes ---- */
 
 /* A number in [0, 1) that depends on its arguments alone. */

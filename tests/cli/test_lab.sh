@@ -46,6 +46,7 @@ refuses 2 "'sharpen' is none of none, narrow-range" lab --filter none,sharpen
 refuses 2 "'' is none of plane-0" lab --scenes step,
 refuses 2 'exclude each other' lab --json --csv
 refuses 2 'takes no' lab crown.npz
+refuses 2 'prints text' lab papers --json
 refuses 2 'at least 320x240' lab --size 319x240
 refuses 2 'milliseconds above 0' lab --equal-time 0
 refuses 2 "'--eye' is no option of lab" lab --eye 1,2,3
