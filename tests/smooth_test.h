@@ -81,7 +81,7 @@ static inline void fixture_destroy(struct fixture *fixture)
     for (int i = 0; i < 3; i++) {
         mns_plane_free(&fixture->cpu.depth_normal[i], &fixture->memory);
     }
-    mns_memory_put(&fixture->memory, fixture->cpu.flow_scratch, fixture->cpu.flow_scratch_capacity, sizeof(float));
+    mns_memory_put(&fixture->memory, fixture->cpu.line_scratch, fixture->cpu.line_scratch_capacity, sizeof(float));
     assert_int_equal(fixture->memory.bytes, 0);
     mns_pool_destroy(fixture->pool);
     free(fixture);

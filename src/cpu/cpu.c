@@ -42,7 +42,7 @@ static void destroy(struct backend *cpu)
         mns_plane_free(&cpu->depth_normal[i], memory);
     }
     mns_memory_put(memory, cpu->block_values, cpu->block_values_capacity, sizeof(*cpu->block_values));
-    mns_memory_put(memory, cpu->flow_scratch, cpu->flow_scratch_capacity, sizeof(*cpu->flow_scratch));
+    mns_memory_put(memory, cpu->line_scratch, cpu->line_scratch_capacity, sizeof(*cpu->line_scratch));
     mns_particle_store_free(&cpu->particles, memory);
     mns_memory_put(memory, cpu, 1, sizeof(*cpu));
 }

@@ -42,8 +42,8 @@ struct backend {
     struct plane depth_normal[3];    /* smooth: plane-fit's normals, with the depth's border and stride; empty until they are needed */
     float *block_values;             /* smooth: three values for each block of a depth plane */
     size_t block_values_capacity;
-    float *flow_scratch; /* smooth: lines of implicit-curvature-flow, for each thread */
-    size_t flow_scratch_capacity;
+    float *line_scratch; /* smooth: lines that are being solved, for each thread */
+    size_t line_scratch_capacity;
     struct depth_plane *smoothed;       /* smooth: where the result is (depth_raw when the filter is none) */
     struct thickness_image raw;         /* splat */
     struct thickness_image blurred;     /* blur */

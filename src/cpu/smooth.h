@@ -6,6 +6,7 @@
 #include "cpu/smooth/gaussian.h"
 #include "cpu/smooth/flow.h"
 #include "cpu/smooth/implicit_flow.h"
+#include "cpu/smooth/lines.h"
 #include "cpu/smooth/narrow_range.h"
 #include "cpu/smooth/plane_fit.h"
 
@@ -14,6 +15,7 @@ struct smooth_kernels {
     const struct gaussian_kernels *gaussian;
     const struct bilateral_kernels *bilateral;
     const struct plane_fit_kernels *plane_fit;
+    const struct line_kernels *lines; /* of all that solve rows and columns */
     const struct flow_kernels *flow;
     const struct implicit_flow_kernels *implicit_flow;
 };

@@ -39,41 +39,23 @@ static void solve_line(const struct implicit_flow *flow, int axis, float *z, ptr
         float t = 1 + before * rest, m = 1 / (t + after);
         d = before * m * (d - rest * difference);
         rest = t * m;
-        scratch[2 * i * FLOW_LINES] = after * m;
-        scratch[(2 * i + 1) * FLOW_LINES] = d;
+        scratch[2 * i * LINES] = after * m;
+        scratch[(2 * i + 1) * LINES] = d;
         before = after;
         difference = after > 0 ? z[(i + 1) * stride] - z[i * stride] : 0;
         here = next;
     }
     for (int i = count - 1; i >= 0; i--) {
-        float e = scratch[2 * i * FLOW_LINES], to_next = e > 0 ? z[(i + 1) * stride] - z[i * stride] : 0;
-        z[i * stride] += scratch[(2 * i + 1) * FLOW_LINES] + e * to_next;
+        float e = scratch[2 * i * LINES], to_next = e > 0 ? z[(i + 1) * stride] - z[i * stride] : 0;
+        z[i * stride] += scratch[(2 * i + 1) * LINES] + e * to_next;
     }
 }
 
 static void solve(const struct implicit_flow *flow, int axis, float *z, ptrdiff_t stride, int count, float *scratch)
 {
-    for (int line = 0; line < FLOW_LINES; line++) {
+    for (int line = 0; line < LINES; line++) {
         solve_line(flow, axis, z + line, stride, count, scratch + line);
     }
 }
 
-static void gather(const float *rows, ptrdiff_t stride, int count, float *lines)
-{
-    for (int line = 0; line < FLOW_LINES; line++) {
-        for (int i = 0; i < count; i++) {
-            lines[i * FLOW_LINES + line] = rows[line * stride + i];
-        }
-    }
-}
-
-static void scatter(const float *lines, int count, float *rows, ptrdiff_t stride)
-{
-    for (int line = 0; line < FLOW_LINES; line++) {
-        for (int i = 0; i < count; i++) {
-            rows[line * stride + i] = lines[i * FLOW_LINES + line];
-        }
-    }
-}
-
-const struct implicit_flow_kernels mns_implicit_flow_kernels_scalar = {.solve = solve, .gather = gather, .scatter = scatter};
+const struct implicit_flow_kernels mns_implicit_flow_kernels_scalar = {.solve = solve};

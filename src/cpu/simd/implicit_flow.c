@@ -9,7 +9,7 @@ enum {
     ROWS_AHEAD = 12 /* each row of a column is a cache line of its own, which the processor does not foresee */
 };
 
-_Static_assert(FLOW_LINES % PAIR == 0, "lines are solved in pairs of vectors");
+_Static_assert(LINES % PAIR == 0, "lines are solved in pairs of vectors");
 
 /* Of one axis. */
 struct solver {
@@ -50,7 +50,7 @@ SIMD void forward(const struct solver *s, struct state *state, const float *next
     state->d = state->before * vf_fnma(state->rest, state->difference, state->d) * m;
     state->rest = t * m;
     vf_store(scratch, after * m);
-    vf_store(scratch + FLOW_LINES, state->d);
+    vf_store(scratch + LINES, state->d);
     state->here = next;
     state->before = after;
     state->difference = vf_keep(holds, difference);
@@ -60,7 +60,7 @@ SIMD void forward(const struct solver *s, struct state *state, const float *next
 SIMD vf backward(vf after, const float *scratch, float *at)
 {
     vf z = vf_load(at), e = vf_load(scratch), to_next = vf_keep(vf_gt(e, vf_zero()), after - z);
-    z = z + vf_fma(e, to_next, vf_load(scratch + FLOW_LINES));
+    z = z + vf_fma(e, to_next, vf_load(scratch + LINES));
     vf_store(at, z);
     return z;
 }
@@ -73,7 +73,7 @@ static void solve_pair(const struct solver *s, float *z, ptrdiff_t stride, int c
     struct state first = state_start(s, z), second = state_start(s, z + VLEN);
     for (int i = 0; i < count; i++) {
         const float *next = i + 1 < count ? z + (i + 1) * stride : nothing;
-        float *out = scratch + (ptrdiff_t)i * 2 * FLOW_LINES;
+        float *out = scratch + (ptrdiff_t)i * 2 * LINES;
         simd_prefetch(z + (i + ROWS_AHEAD) * stride);
         simd_prefetch(z + (i + ROWS_AHEAD) * stride + PAIR - 1);
         forward(s, &first, next, out);
@@ -81,7 +81,7 @@ static void solve_pair(const struct solver *s, float *z, ptrdiff_t stride, int c
     }
     vf after_first = vf_zero(), after_second = vf_zero();
     for (int i = count - 1; i >= 0; i--) {
-        const float *in = scratch + (ptrdiff_t)i * 2 * FLOW_LINES;
+        const float *in = scratch + (ptrdiff_t)i * 2 * LINES;
         after_first = backward(after_first, in, z + i * stride);
         after_second = backward(after_second, in + VLEN, z + i * stride + VLEN);
     }
@@ -91,40 +91,9 @@ static void solve(const struct implicit_flow *flow, int axis, float *z, ptrdiff_
 {
     const struct solver s = {vf_set1(flow->inverse[axis].slope), vf_set1(flow->inverse[axis].offset), vf_set1(flow->apart),
                              vf_set1(flow->slant)};
-    for (int line = 0; line < FLOW_LINES; line += PAIR) {
+    for (int line = 0; line < LINES; line += PAIR) {
         solve_pair(&s, z + line, stride, count, scratch + line);
     }
 }
 
-/* A tile of VLEN x VLEN pixels. */
-SIMD void transpose_tile(const float *in, ptrdiff_t in_stride, float *out, ptrdiff_t out_stride)
-{
-    vf tile[VLEN];
-    for (int i = 0; i < VLEN; i++) {
-        tile[i] = vf_load(in + i * in_stride);
-    }
-    vf_transpose(tile);
-    for (int i = 0; i < VLEN; i++) {
-        vf_store(out + i * out_stride, tile[i]);
-    }
-}
-
-static void gather(const float *rows, ptrdiff_t stride, int count, float *lines)
-{
-    for (int line = 0; line < FLOW_LINES; line += VLEN) {
-        for (int i = 0; i < count; i += VLEN) {
-            transpose_tile(rows + line * stride + i, stride, lines + (ptrdiff_t)i * FLOW_LINES + line, FLOW_LINES);
-        }
-    }
-}
-
-static void scatter(const float *lines, int count, float *rows, ptrdiff_t stride)
-{
-    for (int line = 0; line < FLOW_LINES; line += VLEN) {
-        for (int i = 0; i < count; i += VLEN) {
-            transpose_tile(lines + (ptrdiff_t)i * FLOW_LINES + line, FLOW_LINES, rows + line * stride + i, stride);
-        }
-    }
-}
-
-const struct implicit_flow_kernels SIMD_NAME(mns_implicit_flow_kernels) = {.solve = solve, .gather = gather, .scatter = scatter};
+const struct implicit_flow_kernels SIMD_NAME(mns_implicit_flow_kernels) = {.solve = solve};

@@ -29,7 +29,7 @@ void mns_smooth_copy_empty(struct backend *cpu, const struct depth_plane *start)
 /* ... and after their last: the ranges of cpu->smoothed. */
 void mns_smooth_measure(struct backend *cpu);
 
-/* Memory of implicit-curvature-flow, after the planes have their size. false: out of memory. */
+/* Memory of the filters that solve rows and columns, after the planes have their size. false: out of memory. */
 bool mns_implicit_flow_reserve(struct backend *cpu);
 
 #endif

@@ -22,11 +22,7 @@
 #ifndef MNS_CPU_SMOOTH_IMPLICIT_FLOW_H
 #define MNS_CPU_SMOOTH_IMPLICIT_FLOW_H
 
-#include "cpu/plane.h"
-
-enum {
-    FLOW_LINES = 32
-}; /* lines that are solved side by side: two vectors of the widest instruction set, since each waits for its own division */
+#include "cpu/smooth/lines.h"
 
 struct implicit_flow {
     float apart; /* metres: neighbours whose depths differ by more are apart */
@@ -41,19 +37,15 @@ struct implicit_flow {
 /* ... and 1 / p, so that its square is no denormal */
 #define FLOW_INVERSE_MOST 1e18f
 
-/* Lines lie side by side: pixel i of line l at z[i * stride + l]. Fluid is where 0 < z < DEPTH_LIMIT; the rest, NaN too, stays as it is. Nothing passes
+/* Lines lie side by side (lines.h): pixel i of line l at z[i * stride + l]. Fluid is where 0 < z < DEPTH_LIMIT; the rest, NaN too, stays as it is. Nothing passes
  * the ends of a line.
  *
  * Tolerance against plain C: 4e-7 of the depth (its own rounding) plus 1e-5, or 3e-7 p, of the range of the line's depths (reciprocals of 3e-7,
  * which add up over the p pixels that a pixel sees). A difference within rounding of the one that sets pixels apart may fall on its other
  * side. */
 struct implicit_flow_kernels {
-    /* One step along FLOW_LINES lines, in place. scratch: 2 * count * FLOW_LINES floats. z and scratch are 64-byte aligned, stride a multiple of 16. */
+    /* One step along LINES lines, in place. scratch: 2 * count * LINES floats. z and scratch are 64-byte aligned, stride a multiple of 16. */
     void (*solve)(const struct implicit_flow *flow, int axis, float *z, ptrdiff_t stride, int count, float *scratch);
-
-    /* FLOW_LINES rows of count pixels, a multiple of 16, as lines side by side (stride FLOW_LINES), and back. */
-    void (*gather)(const float *rows, ptrdiff_t stride, int count, float *lines);
-    void (*scatter)(const float *lines, int count, float *rows, ptrdiff_t stride);
 };
 
 extern const struct implicit_flow_kernels mns_implicit_flow_kernels_scalar, mns_implicit_flow_kernels_sse2, mns_implicit_flow_kernels_avx2,
