@@ -23,7 +23,8 @@ enum mns_filter {
     MNS_FILTER_CURVATURE_FLOW = 7,          /* [LGS09] 3.2 */
     MNS_FILTER_ADAPTIVE_CURVATURE_FLOW = 8, /* [BSW10] 4 */
     MNS_FILTER_IMPLICIT_CURVATURE_FLOW = 9, /* semi-implicit, in few steps */
-    MNS_FILTER_PLANE_FIT = 10               /* Imai and others 2016, as compared in [TY18] */
+    MNS_FILTER_PLANE_FIT = 10,              /* Imai and others 2016, as compared in [TY18] */
+    MNS_FILTER_SMOOTHING_SPLINE = 11        /* cubic smoothing splines in inverse depth, along rows and columns */
 };
 
 enum mns_display {
@@ -72,6 +73,7 @@ struct mns_params {
     int iterations;       /* N: N times rows + columns, N 2-D passes, or N steps of a flow; 0 (auto): by the filter */
     float sigma;          /* r: [TY18] eq. 5 */
     float flow_sigma;     /* r: standard deviation of all that adaptive and implicit flow smooth, at every distance */
+    float spline_sigma;   /* r: a wave of length 2 pi spline_sigma keeps half its height */
     float flow_step;      /* step of the explicit flows; 0.5: the largest that is stable at the fluid's middle */
     float delta;          /* r: [TY18] eq. 2, 6 */
     float mu;             /* r: [TY18] eq. 2; at most delta */

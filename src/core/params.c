@@ -9,9 +9,19 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char *const filters[] = {
-    "none",         "narrow-range",   "narrow-range-1d",         "narrow-range-1d-cleanup", "gaussian",  "bilateral",
-    "bilateral-1d", "curvature-flow", "adaptive-curvature-flow", "implicit-curvature-flow", "plane-fit", NULL};
+static const char *const filters[] = {"none",
+                                      "narrow-range",
+                                      "narrow-range-1d",
+                                      "narrow-range-1d-cleanup",
+                                      "gaussian",
+                                      "bilateral",
+                                      "bilateral-1d",
+                                      "curvature-flow",
+                                      "adaptive-curvature-flow",
+                                      "implicit-curvature-flow",
+                                      "plane-fit",
+                                      "smoothing-spline",
+                                      NULL};
 static const char *const displays[] = {"beauty", "opaque", "spheres", "normal", "depth", "thickness", "curvature", NULL};
 static const char *const thickness_modes[] = {"volume", "chord", NULL};
 static const char *const thickness_scales[] = {"auto", "1", "2", "", "4", NULL}; /* index = value; "" is no choice */
@@ -52,11 +62,13 @@ static const struct mns_param table[] = {
     {ENUM(filter, filters, MNS_FILTER_NARROW_RANGE_1D_CLEANUP), .unit = "", .group = "smoothing", .help = "how the depth is smoothed"},
     {INT(iterations, 1, 1000, 0), AUTO, .unit = "", .group = "smoothing",
      .help = "N times rows and columns, N passes of a 2-D filter, or N steps of a flow; auto: 3, of curvature-flow 100, of "
-             "adaptive-curvature-flow at most 256, of implicit-curvature-flow 4"},
+             "adaptive-curvature-flow at most 256, of implicit-curvature-flow and smoothing-spline 4"},
     {FLOAT(sigma, 0.01, 20, 0.9), .unit = "r", .group = "smoothing",
      .help = "sigma of the kernel in world space ([TY18] eq. 5); cut at 2 sigma, 0.9 has the standard deviation of an uncut 0.7"},
     {FLOAT(flow_sigma, 0.01, 20, 1.2), .unit = "r", .group = "smoothing",
      .help = "standard deviation of all that adaptive-curvature-flow and implicit-curvature-flow smooth, at every distance"},
+    {FLOAT(spline_sigma, 0.01, 20, 1.3), .unit = "r", .group = "smoothing",
+     .help = "width of smoothing-spline: a wave of length 2 pi sigma keeps half its height, one twice as long 16/17"},
     {FLOAT(flow_step, 0.01, 0.5, 0.5), .unit = "", .group = "smoothing",
      .help = "step of curvature-flow and adaptive-curvature-flow; 0.5: the largest that is stable at the depth of the fluid's middle"},
     {FLOAT(delta, 0.1, 1000, 10), .unit = "r", .group = "smoothing", .help = "depth range that is smoothed together ([TY18] eq. 2 and 6)"},

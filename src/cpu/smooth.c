@@ -19,6 +19,7 @@ static filter_function *const filters[] = {
     [MNS_FILTER_ADAPTIVE_CURVATURE_FLOW] = mns_smooth_curvature_flow,
     [MNS_FILTER_IMPLICIT_CURVATURE_FLOW] = mns_smooth_implicit_flow,
     [MNS_FILTER_PLANE_FIT] = mns_smooth_plane_fit,
+    [MNS_FILTER_SMOOTHING_SPLINE] = mns_smooth_spline,
 };
 
 /* Gives a plane its size; where that changes it, or its ranges are new, no block passes for empty. */
@@ -112,6 +113,9 @@ static bool reserve(struct backend *cpu, const struct frame *frame)
         }
     }
     if (frame->params.filter == MNS_FILTER_IMPLICIT_CURVATURE_FLOW && !mns_implicit_flow_reserve(cpu)) {
+        return false;
+    }
+    if (frame->params.filter == MNS_FILTER_SMOOTHING_SPLINE && !mns_spline_reserve(cpu)) {
         return false;
     }
     size_t blocks = (size_t)cpu->depth[0].blocks_x * (size_t)cpu->depth[0].blocks_y;

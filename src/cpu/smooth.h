@@ -9,6 +9,7 @@
 #include "cpu/smooth/lines.h"
 #include "cpu/smooth/narrow_range.h"
 #include "cpu/smooth/plane_fit.h"
+#include "cpu/smooth/spline.h"
 
 struct smooth_kernels {
     const struct narrow_range_kernels *narrow_range;
@@ -16,6 +17,7 @@ struct smooth_kernels {
     const struct bilateral_kernels *bilateral;
     const struct plane_fit_kernels *plane_fit;
     const struct line_kernels *lines; /* of all that solve rows and columns */
+    const struct spline_kernels *spline;
     const struct flow_kernels *flow;
     const struct implicit_flow_kernels *implicit_flow;
 };

@@ -7,6 +7,7 @@ const struct smooth_kernels mns_smooth_kernels_scalar = {
     .bilateral = &mns_bilateral_kernels_scalar,
     .plane_fit = &mns_plane_fit_kernels_scalar,
     .lines = &mns_line_kernels_scalar,
+    .spline = &mns_spline_kernels_scalar,
     .flow = &mns_flow_kernels_scalar,
     .implicit_flow = &mns_implicit_flow_kernels_scalar,
 };

@@ -9,6 +9,7 @@ const struct smooth_kernels SIMD_NAME(mns_smooth_kernels) = {
     .bilateral = &SIMD_NAME(mns_bilateral_kernels),
     .plane_fit = &SIMD_NAME(mns_plane_fit_kernels),
     .lines = &SIMD_NAME(mns_line_kernels),
+    .spline = &SIMD_NAME(mns_spline_kernels),
     .flow = &SIMD_NAME(mns_flow_kernels),
     .implicit_flow = &SIMD_NAME(mns_implicit_flow_kernels),
 };

@@ -13,6 +13,7 @@ void mns_smooth_bilateral(struct backend *cpu, const struct frame *frame); /* bo
 void mns_smooth_plane_fit(struct backend *cpu, const struct frame *frame);
 void mns_smooth_curvature_flow(struct backend *cpu, const struct frame *frame); /* curvature-flow, adaptive-curvature-flow */
 void mns_smooth_implicit_flow(struct backend *cpu, const struct frame *frame);
+void mns_smooth_spline(struct backend *cpu, const struct frame *frame);
 
 /* The plane of cpu->depth that a pass from cpu->smoothed writes to. */
 static inline struct depth_plane *smooth_target(struct backend *cpu)
@@ -31,5 +32,6 @@ void mns_smooth_measure(struct backend *cpu);
 
 /* Memory of the filters that solve rows and columns, after the planes have their size. false: out of memory. */
 bool mns_implicit_flow_reserve(struct backend *cpu);
+bool mns_spline_reserve(struct backend *cpu);
 
 #endif
