@@ -62,6 +62,7 @@ static inline struct fixture *fixture_create(int width, int height, enum mns_isa
     fixture->cpu.host = (struct backend_host){
         .memory = &fixture->memory, .parallel = {run_jobs, fixture->pool}, .threads = threads, .message = &fixture->message};
     mns_params_init(&fixture->frame.params);
+    fixture->frame.params.filter = MNS_FILTER_NARROW_RANGE_1D_CLEANUP;
     fixture->frame.params.iterations = 3;
     fixture->frame.params.sigma = 0.7f; /* what the scenes here are worked out for */
     fixture->frame.splat_radius = R;

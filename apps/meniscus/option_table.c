@@ -490,7 +490,7 @@ const struct option_row option_table[] = {
     {"--where", 0, "EXPR", READS, NULL, set_where, "which particles: 'type==0 && density>200'"},
     {"--format", 0, "NAME", READS, NULL, set_format, "format of the inputs, for standard input (-)"},
 
-    {"--filter", 0, "NAME", DRAWS, "filter", NULL, "none, narrow-range, narrow-range-1d, narrow-range-1d-cleanup"},
+    {"--filter", 0, "NAME", DRAWS, "filter", NULL, "how depth is smoothed: smoothing-spline, ... (the parameter filter lists them)"},
     {"--filter", 0, "NAME,...", COMMAND_LAB, NULL, set_lab_filters, "filters to measure (all, and the papers' claims); repeatable"},
     {"--scenes", 0, "NAME,...", COMMAND_LAB, NULL, set_lab_scenes, "scenes to measure them in (all, and the papers' claims); repeatable"},
     {"--iterations", 0, "N", SMOOTHS, "iterations", NULL, "how often it smooths"},

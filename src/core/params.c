@@ -59,7 +59,7 @@ static const struct mns_param table[] = {
     {FLOAT(thickness_blur, 0, 20, 1.5), .unit = "r", .group = "thickness",
      .help = "sigma of the Gaussian that smooths thickness and colour; 0: off"},
 
-    {ENUM(filter, filters, MNS_FILTER_NARROW_RANGE_1D_CLEANUP), .unit = "", .group = "smoothing", .help = "how the depth is smoothed"},
+    {ENUM(filter, filters, MNS_FILTER_SMOOTHING_SPLINE), .unit = "", .group = "smoothing", .help = "how the depth is smoothed"},
     {INT(iterations, 1, 1000, 0), AUTO, .unit = "", .group = "smoothing",
      .help = "N times rows and columns, N passes of a 2-D filter, or N steps of a flow; auto: 3, of curvature-flow 100, of "
              "adaptive-curvature-flow at most 256, of implicit-curvature-flow and smoothing-spline 4"},

@@ -32,6 +32,7 @@ static const struct golden {
     {"curvature", {{"display", "curvature"}}},
     {"narrow_range_2d", {{"filter", "narrow-range"}}},
     {"narrow_range_1d", {{"filter", "narrow-range-1d"}}},
+    {"narrow_range_1d_cleanup", {{"filter", "narrow-range-1d-cleanup"}}},
     {"unsmoothed", {{"filter", "none"}}},
     {"transparent", {{"background", "transparent"}}},
     {"evening", {{"sun_elevation", "8"}, {"sun_azimuth", "200"}, {"exposure", "0.5"}}},
