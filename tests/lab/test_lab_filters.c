@@ -47,8 +47,9 @@ static const struct bounds {
     {"curvature-flow", {5.8, 5.5, 6.2, 11}, SLANTED, 0, INFINITY},
     {"adaptive-curvature-flow", {5.6, 7, 9, 12}, SLANTED, 0, INFINITY},
     {"implicit-curvature-flow", {5.9, 3.8, 2.3, 1.6}, SLANTED, 0, INFINITY},
-    {"plane-fit", {5, 3.4, 2.2, 1.8}, {0.02, 0.02, 0.02, 0.02}, 0, 3.5}, /* planes are what it fits */
-    {"", {6, 6, 6, 6}, SLANTED, 0, INFINITY},                            /* any other, until it has a line of its own */
+    {"plane-fit", {5, 3.4, 2.2, 1.8}, {0.02, 0.02, 0.02, 0.02}, 0, 3.5},          /* planes are what it fits */
+    {"smoothing-spline", {2.9, 1.9, 1.2, 0.9}, {0.02, 0.02, 0.02, 0.02}, 0, 1.9}, /* straight lines in inverse depth stay */
+    {"", {6, 6, 6, 6}, SLANTED, 0, INFINITY},                                     /* any other, until it has a line of its own */
 #undef SLANTED
 };
 

@@ -8,16 +8,63 @@
 
 static float clamp(float a, float low, float high) { return lesser(greater(a, low), high); }
 
+static float value_of(const struct spline *spline, float depth)
+{
+    if (!(depth > 0 && depth < DEPTH_LIMIT)) {
+        return depth <= 0 ? SPLINE_OUTSIDE : SPLINE_EMPTY;
+    }
+    float v = clamp(spline->orthographic ? depth / spline->radius : spline->radius / depth, SPLINE_LEAST, SPLINE_MOST);
+    return spline->orthographic ? -v : v;
+}
+
 static void enter(const struct spline *spline, float *values, int count)
 {
     for (int i = 0; i < count; i++) {
-        float depth = values[i];
-        if (depth > 0 && depth < DEPTH_LIMIT) {
-            float v = clamp(spline->orthographic ? depth / spline->radius : spline->radius / depth, SPLINE_LEAST, SPLINE_MOST);
-            values[i] = spline->orthographic ? -v : v;
+        values[i] = value_of(spline, values[i]);
+    }
+}
+
+static bool is_fluid(float v) { return fabsf(v) < SPLINE_FLUID; }
+
+/* Whether two neighbours belong together. */
+static bool holds(const struct spline *spline, int axis, float a, float b)
+{
+    float apart = spline->orthographic ? spline->apart : spline->apart * (a * b);
+    float slant = spline->orthographic ? spline->slant[axis] : spline->slant[axis] * lesser(a, b);
+    return is_fluid(a) && is_fluid(b) && fabsf(a - b) <= greater(apart, slant);
+}
+
+/* s, pixels. */
+static float width_of(const struct spline *spline, int axis, float v)
+{
+    return clamp(spline->width[axis] * (spline->orthographic ? 1 : v), SPLINE_NARROW, SPLINE_WIDE);
+}
+
+static void fill_line(const struct spline *spline, int axis, float *v, ptrdiff_t stride, int count)
+{
+    float last = v[0];
+    int gap = 0; /* pixels since */
+    for (int i = 1; i < count; i++) {
+        float here = v[i * stride];
+        if (holds(spline, axis, last, here)) {
+            for (int j = 1; j <= gap; j++) {
+                v[(i - j) * stride] = here + (last - here) * ((float)j / (float)(gap + 1));
+            }
+            last = here;
+            gap = 0;
+        } else if (is_fluid(last) && here <= SPLINE_EMPTY && (float)(gap + 1) <= SPLINE_HOLE * width_of(spline, axis, last)) {
+            gap++;
         } else {
-            values[i] = depth <= 0 ? SPLINE_OUTSIDE : SPLINE_EMPTY;
+            last = here;
+            gap = 0;
         }
+    }
+}
+
+static void fill(const struct spline *spline, int axis, float *v, ptrdiff_t stride, int count)
+{
+    for (int l = 0; l < LINES; l++) {
+        fill_line(spline, axis, v + l, stride, count);
     }
 }
 
@@ -27,7 +74,7 @@ static struct depth_range leave(const struct spline *spline, const float *raw, f
     for (int y = 0; y < BLOCK_HEIGHT; y++, raw += stride, v += stride) {
         for (int x = 0; x < BLOCK_WIDTH; x++) {
             float depth = raw[x];
-            if (depth > 0 && depth < DEPTH_LIMIT) {
+            if (is_fluid(value_of(spline, depth))) {
                 depth = spline->orthographic ? -v[x] * spline->radius : spline->radius / v[x];
                 depth = clamp(depth, SPLINE_LEAST, 0.99f * DEPTH_LIMIT);
             }
@@ -48,16 +95,6 @@ struct state {
     bool bends;  /* ... and what is on the other side is farther */
 };
 
-static bool is_fluid(float v) { return fabsf(v) < SPLINE_FLUID; }
-
-/* Whether two neighbours belong together. */
-static bool holds(const struct spline *spline, int axis, float a, float b)
-{
-    float apart = spline->orthographic ? spline->apart : spline->apart * (a * b);
-    float slant = spline->orthographic ? spline->slant[axis] : spline->slant[axis] * lesser(a, b);
-    return is_fluid(a) && is_fluid(b) && fabsf(a - b) <= greater(apart, slant);
-}
-
 /* What one pixel leaves for the way back. At the end of what holds together gain_value is -1, and gain_slope the moment there. */
 struct step {
     float error, gain_value, gain_slope;
@@ -65,8 +102,7 @@ struct step {
 
 static struct step forward(const struct spline *spline, int axis, float v, float next, struct state *state)
 {
-    float width = spline->width[axis] * (spline->orthographic ? 1 : v);
-    float inverse = 1 / clamp(width, SPLINE_NARROW, SPLINE_WIDE), cube = inverse * inverse * inverse;
+    float inverse = 1 / width_of(spline, axis, v), cube = inverse * inverse * inverse;
     float bend = SPLINE_BEND * spline->mu * inverse * (spline->orthographic ? 1 : v * v), bend_variance = SPLINE_BEND * cube;
 
     struct step step = {0, 1, 0};
@@ -130,4 +166,4 @@ static void solve(const struct spline *spline, int axis, float *v, ptrdiff_t str
     }
 }
 
-const struct spline_kernels mns_spline_kernels_scalar = {.enter = enter, .solve = solve, .leave = leave};
+const struct spline_kernels mns_spline_kernels_scalar = {.enter = enter, .fill = fill, .solve = solve, .leave = leave};

@@ -40,6 +40,78 @@ static void enter(const struct spline *spline, float *values, int count)
     }
 }
 
+SIMD vm is_fluid(vf v) { return vf_lt(vf_abs(v), vf_set1(SPLINE_FLUID)); }
+
+/* Of one axis. */
+struct solver {
+    vf width, apart, slant, bend;
+};
+
+static struct solver solver_of(const struct spline *spline, int axis)
+{
+    return (struct solver){vf_set1(spline->width[axis]), vf_set1(spline->apart), vf_set1(spline->slant[axis]),
+                           vf_set1(SPLINE_BEND * spline->mu)};
+}
+
+/* Whether the depths of two pixels belong together, if both are fluid. */
+SIMD vm are_near(const struct solver *s, bool orthographic, vf a, vf b)
+{
+    vf apart = vf_either(orthographic, s->apart, s->apart * (a * b)), slant = vf_either(orthographic, s->slant, s->slant * vf_min(a, b));
+    return vf_le(vf_abs(a - b), vf_max(apart, slant));
+}
+
+SIMD vf width_of(const struct solver *s, bool orthographic, vf v)
+{
+    return vf_clamp(vf_either(orthographic, s->width, s->width * v), vf_set1(SPLINE_NARROW), vf_set1(SPLINE_WIDE));
+}
+
+/* Fills what ends before a pixel, `here`, in the lanes of the mask. */
+static void fill_gap(vm ends, vf last, vf here, vf gap, float *at, ptrdiff_t stride)
+{
+    vf part = vf_rcp(gap + vf_set1(1.0f));
+    for (int j = 1;; j++) {
+        vm fills = vm_and(ends, vf_le(vf_set1((float)j), gap));
+        if (!vm_any(fills)) {
+            return;
+        }
+        float *pixel = at - j * stride;
+        vf_store(pixel, vf_select(fills, vf_fma(last - here, vf_set1((float)j) * part, here), vf_load(pixel)));
+    }
+}
+
+static void fill_lines(const struct solver *s, bool orthographic, float *v, ptrdiff_t stride, int count)
+{
+    vf last = vf_load(v), gap = vf_zero();
+    for (int i = 1; i < count; i++) {
+        float *at = v + i * stride;
+        simd_prefetch(at + ROWS_AHEAD * stride);
+        vf here = vf_load(at);
+        vm last_fluid = is_fluid(last);
+        vm near = vm_and(vm_and(last_fluid, is_fluid(here)), are_near(s, orthographic, last, here)), open = vf_gt(gap, vf_zero());
+        if (vm_any(vm_or(vm_not(near), open))) {
+            vm ends = vm_and(near, open);
+            if (vm_any(ends)) {
+                fill_gap(ends, last, here, gap, at, stride);
+            }
+            vf longer = gap + vf_set1(1.0f);
+            vm grows = vm_and(last_fluid, vf_le(here, vf_set1(SPLINE_EMPTY)));
+            grows = vm_and(grows, vf_le(longer, vf_set1(SPLINE_HOLE) * width_of(s, orthographic, last)));
+            gap = vf_keep(grows, longer);
+            last = vf_select(grows, last, here);
+        } else {
+            last = here;
+        }
+    }
+}
+
+static void fill(const struct spline *spline, int axis, float *v, ptrdiff_t stride, int count)
+{
+    const struct solver s = solver_of(spline, axis);
+    for (int line = 0; line < LINES; line += VLEN) {
+        fill_lines(&s, spline->orthographic, v + line, stride, count);
+    }
+}
+
 static struct depth_range leave(const struct spline *spline, const float *raw, float *v, ptrdiff_t stride)
 {
     struct extent extent = extent_start();
@@ -55,11 +127,6 @@ static struct depth_range leave(const struct spline *spline, const float *raw, f
     return extent_range(&extent);
 }
 
-/* Of one axis. */
-struct solver {
-    vf width, apart, slant, bend;
-};
-
 /* As in plain C. */
 struct state {
     vf error, slope, value_variance, covariance, slope_variance, determinant;
@@ -67,8 +134,6 @@ struct state {
     vf here;
     vm fluid; /* here */
 };
-
-SIMD vm is_fluid(vf v) { return vf_lt(vf_abs(v), vf_set1(SPLINE_FLUID)); }
 
 SIMD struct state state_start(const float *at, float before)
 {
@@ -81,8 +146,7 @@ SIMD struct state state_start(const float *at, float before)
 SIMD void forward(const struct solver *s, bool orthographic, struct state *state, vf next, float *scratch)
 {
     vf one = vf_set1(1.0f), v = state->here;
-    vf width = vf_either(orthographic, s->width, s->width * v);
-    vf inverse = vf_rcp(vf_clamp(width, vf_set1(SPLINE_NARROW), vf_set1(SPLINE_WIDE)));
+    vf inverse = vf_rcp(width_of(s, orthographic, v));
     vf cube = inverse * inverse * inverse;
 
     vf scale = vf_rcp(state->value_variance + one), error = state->error * scale;
@@ -93,9 +157,7 @@ SIMD void forward(const struct solver *s, bool orthographic, struct state *state
     vf value_variance = gain_value, covariance = gain_slope;
 
     vm fluid_next = is_fluid(next);
-    vf apart = vf_either(orthographic, s->apart, s->apart * (v * next));
-    vf slant = vf_either(orthographic, s->slant, s->slant * vf_min(v, next));
-    vm on = vm_and(vm_and(state->fluid, fluid_next), vf_le(vf_abs(v - next), vf_max(apart, slant)));
+    vm on = vm_and(vm_and(state->fluid, fluid_next), are_near(s, orthographic, v, next));
 
     if (vm_any(vm_or(state->starts, vm_not(on)))) {
         vf bend = vf_either(orthographic, s->bend * inverse, s->bend * inverse * (v * v)), bend_variance = vf_set1(SPLINE_BEND) * cube;
@@ -174,8 +236,7 @@ SIMD void solve_pair(const struct solver *s, bool orthographic, float *v, ptrdif
 
 static void solve(const struct spline *spline, int axis, float *v, ptrdiff_t stride, int count, float before, float after, float *scratch)
 {
-    const struct solver s = {vf_set1(spline->width[axis]), vf_set1(spline->apart), vf_set1(spline->slant[axis]),
-                             vf_set1(SPLINE_BEND * spline->mu)};
+    const struct solver s = solver_of(spline, axis);
     for (int line = 0; line < LINES; line += PAIR) {
         if (spline->orthographic) {
             solve_pair(&s, true, v + line, stride, count, before, after, scratch + line);
@@ -185,4 +246,4 @@ static void solve(const struct spline *spline, int axis, float *v, ptrdiff_t str
     }
 }
 
-const struct spline_kernels SIMD_NAME(mns_spline_kernels) = {.enter = enter, .solve = solve, .leave = leave};
+const struct spline_kernels SIMD_NAME(mns_spline_kernels) = {.enter = enter, .fill = fill, .solve = solve, .leave = leave};

@@ -50,6 +50,7 @@ static void run_rows(void *context, const struct line_run *run, float *scratch)
     pass->lines->gather((pass->enters ? pass->raw : pass->out)->plane.data + at, stride, count, lines);
     if (pass->enters) {
         pass->kernels->enter(&pass->spline, lines, count * LINES);
+        pass->kernels->fill(&pass->spline, AXIS_X, lines, LINES, count);
     }
     pass->kernels->solve(&pass->spline, AXIS_X, lines, LINES, count, beyond(run->opens), beyond(run->ends), rest);
     pass->lines->scatter(lines, count, run->across, pass->out->plane.data + at, stride);
@@ -60,6 +61,9 @@ static void run_columns(void *context, const struct line_run *run, float *scratc
     const struct spline_pass *pass = context;
     ptrdiff_t stride = pass->out->plane.stride;
     float *columns = pass->out->plane.data + run->begin * stride + run->first;
+    if (pass->enters) {
+        pass->kernels->fill(&pass->spline, AXIS_Y, columns, stride, run->end - run->begin);
+    }
     pass->kernels->solve(&pass->spline, AXIS_Y, columns, stride, run->end - run->begin, beyond(run->opens), beyond(run->ends), scratch);
     if (!pass->leaves) {
         return;

@@ -47,6 +47,10 @@ struct spline {
 
 #define SPLINE_BEND 20.0f
 
+/* A hole in the fluid that is this part of s wide in a line, at most, does not part it: else each pixel that opens between particles would
+ * leave a streak as long as s. */
+#define SPLINE_HOLE 0.4f
+
 /* The slope's variance at a natural end, where it is not known. */
 #define SPLINE_NATURAL 1e6f
 
@@ -59,8 +63,12 @@ struct spline_kernels {
     /* Depths to v, count of them, a multiple of 16, in place. */
     void (*enter)(const struct spline *spline, float *values, int count);
 
-    /* Along LINES lines of count pixels, in place; pixel i of line l at v[i * stride + l], a multiple of 16. before, after: what stands
-     * beyond the ends, SPLINE_EMPTY or SPLINE_OUTSIDE. scratch: 3 * count * LINES floats. All 64-byte aligned. */
+    /* LINES lines of count pixels: pixel i of line l at v[i * stride + l], a multiple of 16, 64-byte aligned. Empty pixels between two
+     * that belong together get values on the straight line between these. */
+    void (*fill)(const struct spline *spline, int axis, float *v, ptrdiff_t stride, int count);
+
+    /* The splines of such lines, in place. before, after: what stands beyond the ends, SPLINE_EMPTY or SPLINE_OUTSIDE. scratch: 3 * count * LINES
+     * floats, 64-byte aligned. */
     void (*solve)(const struct spline *spline, int axis, float *v, ptrdiff_t stride, int count, float before, float after, float *scratch);
 
     /* A block of v to depths, in place; what is no fluid in raw is copied from there. Returns the range. */
