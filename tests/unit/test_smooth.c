@@ -452,6 +452,56 @@ static void test_fluid_at_the_lens(void **state)
     }
 }
 
+/* Depths at the ends of float and none, here and there or everywhere. Splats give no NaN. */
+static float broken(const struct fixture *fixture, int x, int y)
+{
+    (void)fixture;
+    switch ((x * 7 + y * 13) % 41) {
+    case 1: return INFINITY;
+    case 2: return 1e-42f;
+    case 3: return DEPTH_EMPTY;
+    case 4: return 1e35f;
+    case 5: return 1e-20f;
+    default: return MIDDLE + R * uniform();
+    }
+}
+
+static float empty(const struct fixture *fixture, int x, int y)
+{
+    (void)fixture;
+    (void)x;
+    (void)y;
+    return DEPTH_EMPTY;
+}
+
+/* What is no fluid stays what it was, and no fluid becomes anything else. */
+static void test_no_filter_spreads_what_is_no_depth(void **state)
+{
+    (void)state;
+    static depth_function *const scenes[] = {broken, empty};
+    for (int filter = MNS_FILTER_NARROW_RANGE; filter <= MNS_FILTER_SMOOTHING_SPLINE; filter++) {
+        for (int isa = MNS_ISA_SCALAR; isa <= MNS_ISA_NEON; isa++) {
+            for (int i = 0; i < 2 && mns_kernels_get((enum mns_isa)isa); i++) {
+                struct fixture *fixture = fixture_create(70, 45, (enum mns_isa)isa, 1);
+                fixture->frame.params.filter = filter;
+                fill(fixture, scenes[i]);
+                const struct depth_plane *raw = &fixture->cpu.depth_raw, *result = run(fixture);
+                for (int y = 0; y < 45; y++) {
+                    for (int x = 0; x < 70; x++) {
+                        float before = *pixel(raw, x, y), after = *pixel(result, x, y);
+                        bool fluid = before > 0 && before < DEPTH_LIMIT;
+                        if (fluid ? !(after > 0 && after < DEPTH_LIMIT) : memcmp(&before, &after, sizeof(before)) != 0) {
+                            fail_msg("filter %d, instruction set %d: %g became %g at %d, %d", filter, isa, (double)before, (double)after, x,
+                                     y);
+                        }
+                    }
+                }
+                fixture_destroy(fixture);
+            }
+        }
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -468,6 +518,7 @@ int main(void)
         cmocka_unit_test(test_threads_do_not_change_a_byte),
         cmocka_unit_test(test_planes_come_with_borders_and_ranges),
         cmocka_unit_test(test_fluid_at_the_lens),
+        cmocka_unit_test(test_no_filter_spreads_what_is_no_depth),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
