@@ -13,12 +13,19 @@
 static const float R = 0.02f, MIDDLE = 2;
 static const float FOCAL = 1000;
 
-/* Filters that do what they do in any picture: every one but none. */
-enum { FILTERS = 9 };
-static const enum mns_filter all_filters[FILTERS] = {
-    MNS_FILTER_NARROW_RANGE, MNS_FILTER_NARROW_RANGE_1D, MNS_FILTER_NARROW_RANGE_1D_CLEANUP,
-    MNS_FILTER_GAUSSIAN,     MNS_FILTER_BILATERAL,       MNS_FILTER_BILATERAL_1D,
-    MNS_FILTER_PLANE_FIT,    MNS_FILTER_CURVATURE_FLOW,  MNS_FILTER_ADAPTIVE_CURVATURE_FLOW};
+/* Every filter but none. */
+enum { FILTERS = MNS_FILTER_SMOOTHING_SPLINE };
+static const enum mns_filter all_filters[FILTERS] = {MNS_FILTER_NARROW_RANGE,
+                                                     MNS_FILTER_NARROW_RANGE_1D,
+                                                     MNS_FILTER_NARROW_RANGE_1D_CLEANUP,
+                                                     MNS_FILTER_GAUSSIAN,
+                                                     MNS_FILTER_BILATERAL,
+                                                     MNS_FILTER_BILATERAL_1D,
+                                                     MNS_FILTER_PLANE_FIT,
+                                                     MNS_FILTER_CURVATURE_FLOW,
+                                                     MNS_FILTER_ADAPTIVE_CURVATURE_FLOW,
+                                                     MNS_FILTER_IMPLICIT_CURVATURE_FLOW,
+                                                     MNS_FILTER_SMOOTHING_SPLINE};
 
 static uint32_t test_random;
 

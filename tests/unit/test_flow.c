@@ -237,40 +237,6 @@ static void test_no_depth_and_no_step_leaves_the_range(void **state)
     }
 }
 
-/* A number of steps that passes a whole one takes no step itself. */
-static void test_sigma_changes_without_a_step(void **state)
-{
-    (void)state;
-    struct fixture *a = flow_create(MNS_FILTER_ADAPTIVE_CURVATURE_FLOW, 200, 120, mns_isa_best(), 2);
-    struct fixture *b = flow_create(MNS_FILTER_ADAPTIVE_CURVATURE_FLOW, 200, 120, mns_isa_best(), 2);
-    b->frame.params.flow_sigma *= 1 + 1e-6f;
-    fill(a, splashes);
-    fill(b, splashes);
-    assert_true(pixels_apart(run(a), run(b), 1e-4) <= 200 * 120 / 1000);
-    fixture_destroy(a);
-    fixture_destroy(b);
-}
-
-/* A sequence of steps may pass a difference within rounding of the one that sets neighbours apart: 0.5 % of the pixels. */
-static void test_instruction_sets_agree(void **state)
-{
-    (void)state;
-    for (int filter = MNS_FILTER_CURVATURE_FLOW; filter <= MNS_FILTER_ADAPTIVE_CURVATURE_FLOW; filter++) {
-        struct fixture *plain = flow_create((enum mns_filter)filter, 200, 120, MNS_ISA_SCALAR, 1);
-        fill(plain, splashes);
-        const struct depth_plane *expected = run(plain);
-        for (int isa = MNS_ISA_SSE2; isa <= MNS_ISA_NEON; isa++) {
-            if (mns_kernels_get((enum mns_isa)isa)) {
-                struct fixture *other = flow_create((enum mns_filter)filter, 200, 120, (enum mns_isa)isa, 2);
-                fill(other, splashes);
-                assert_true(pixels_apart(expected, run(other), 1e-4) <= 200 * 120 / 200);
-                fixture_destroy(other);
-            }
-        }
-        fixture_destroy(plain);
-    }
-}
-
 /* More pictures than one patch in each direction, and steps that are no multiple of those of a pass. */
 static void test_patches_and_threads_do_not_show(void **state)
 {
@@ -315,8 +281,6 @@ int main(void)
         cmocka_unit_test(test_plain_flow_smooths_what_is_far_more),
         cmocka_unit_test(test_steps_and_planes_that_face_the_eye_stay),
         cmocka_unit_test(test_no_depth_and_no_step_leaves_the_range),
-        cmocka_unit_test(test_sigma_changes_without_a_step),
-        cmocka_unit_test(test_instruction_sets_agree),
         cmocka_unit_test(test_patches_and_threads_do_not_show),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
