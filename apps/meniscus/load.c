@@ -31,33 +31,25 @@ int program_renderer(mns_renderer **out, const struct options *options)
     return mns_renderer_create(out, &params, &message) == MNS_OK ? STATUS_DONE : program_fail("%s", message.text);
 }
 
-/* Warnings wait until the file has been read: a file that is refused gets its one line. */
-struct held {
-    const struct options *options;
-    size_t count;
-    struct mns_message first[8];
-};
+enum { KEPT = sizeof(((struct load_notes *)0)->first) / sizeof(struct load_note) };
 
-enum { HELD = sizeof(((struct held *)0)->first) / sizeof(struct mns_message) };
-
-static void hold(void *user, enum mns_log_level level, const char *text)
+static void keep(void *user, enum mns_log_level level, const char *text)
 {
-    struct held *held = user;
-    if (level != MNS_LOG_WARNING) {
-        tell((void *)held->options, level, text);
-    } else if (held->count++ < HELD) {
-        struct mns_message *message = &held->first[held->count - 1];
-        snprintf(message->text, sizeof(message->text), "%s", text);
+    struct load_notes *notes = user;
+    if (notes->count++ < KEPT) {
+        struct load_note *note = &notes->first[notes->count - 1];
+        note->level = level;
+        snprintf(note->message.text, sizeof(note->message.text), "%s", text);
     }
 }
 
-static void tell_held(const struct held *held, const char *path)
+void load_tell(const struct load_notes *notes, const char *path, const struct options *options)
 {
-    for (size_t i = 0; i < held->count && i < HELD && !held->options->quiet; i++) {
-        program_warn("%s", held->first[i].text);
+    for (size_t i = 0; i < notes->count && i < KEPT; i++) {
+        tell((void *)options, notes->first[i].level, notes->first[i].message.text);
     }
-    if (held->count > HELD && !held->options->quiet) {
-        program_warn("%s: and %zu warnings more", path, held->count - HELD);
+    if (notes->count > KEPT && !options->quiet) {
+        program_warn("%s: and %zu warnings more", path, notes->count - KEPT);
     }
 }
 
@@ -89,30 +81,34 @@ static void *read_standard_input(size_t *size, struct mns_message *message)
     return data;
 }
 
-mns_result load_particles(mns_particle_set **out, const char *path, const struct options *options, struct mns_message *message)
+mns_result load_particles_quietly(mns_particle_set **out, const char *path, const struct options *options, struct load_notes *notes,
+                                  struct mns_message *message)
 {
     *out = NULL;
+    notes->count = 0;
     struct mns_read_params params;
     mns_read_params_init(&params);
     params.format = options->format;
     params.roles = options->roles;
     params.role_count = options->role_count;
     params.where = options->where;
-    struct held held = {.options = options};
-    params.log = (struct mns_log){.message = hold, .user = &held};
-    mns_result result = MNS_ERR_IO;
+    params.log = (struct mns_log){.message = keep, .user = notes};
     if (strcmp(path, "-") != 0) {
-        result = mns_particle_set_read(out, path, &params, message);
-    } else {
-        size_t size;
-        void *data = read_standard_input(&size, message);
-        if (data) {
-            result = mns_particle_set_read_memory(out, data, size, "standard input", &params, message);
-        }
-        free(data);
+        return mns_particle_set_read(out, path, &params, message);
     }
+    size_t size;
+    void *data = read_standard_input(&size, message);
+    mns_result result = data ? mns_particle_set_read_memory(out, data, size, "standard input", &params, message) : MNS_ERR_IO;
+    free(data);
+    return result;
+}
+
+mns_result load_particles(mns_particle_set **out, const char *path, const struct options *options, struct mns_message *message)
+{
+    struct load_notes notes;
+    mns_result result = load_particles_quietly(out, path, options, &notes, message);
     if (result == MNS_OK) {
-        tell_held(&held, path);
+        load_tell(&notes, path, options);
     }
     return result;
 }

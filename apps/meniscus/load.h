@@ -4,7 +4,23 @@
 
 #include "options.h"
 
-/* "-" is standard input, which can be read once. On failure *out is NULL and message says why; warnings are told unless quiet. */
+/* What reading a file had to say: held back until it is known whether the file is refused, and until its turn comes. */
+struct load_notes {
+    size_t count; /* all of them; the first are kept */
+    struct load_note {
+        enum mns_log_level level;
+        struct mns_message message;
+    } first[8];
+};
+
+/* "-" is standard input, which can be read once. On failure *out is NULL and message says why. Tells nothing: any thread may read. */
+mns_result load_particles_quietly(mns_particle_set **out, const char *path, const struct options *options, struct load_notes *notes,
+                                  struct mns_message *message);
+
+/* Tells the notes, as --quiet and --verbose let it. */
+void load_tell(const struct load_notes *notes, const char *path, const struct options *options);
+
+/* Both. A file that is refused gets its one line, the message, and no warnings. */
 mns_result load_particles(mns_particle_set **out, const char *path, const struct options *options, struct mns_message *message);
 
 /* Where the library's warnings go. */

@@ -1,4 +1,4 @@
-/* outputs.c: the images of a frame: their memory, names and files. */
+/* outputs.c: where the images of a picture go: their shapes, names and files. */
 #include "outputs.h"
 
 #include "program.h"
@@ -29,10 +29,10 @@ static int check_extension(const char *path)
     return program_usage("%s: this build writes %s", path, list);
 }
 
-static int check_name(const char *path, size_t frames)
+static int check_name(const char *path, size_t pictures)
 {
-    if (frames > 1 && !pattern_is(path)) {
-        return program_usage("%s: %zu frames need a pattern for their numbers, such as out_%%04d%s", path, frames,
+    if (pictures > 1 && !pattern_is(path)) {
+        return program_usage("%s: %zu frames need a pattern for their numbers, such as out_%%04d%s", path, pictures,
                              strrchr(path, '.') ? strrchr(path, '.') : "");
     }
     return STATUS_DONE;
@@ -67,21 +67,16 @@ static int check_place(const char *pattern, const struct inputs *inputs)
     return status;
 }
 
-static int add(struct outputs *outputs, const struct options *options, enum mns_layer layer, enum output_kind kind, const char *pattern)
+static void add(struct outputs *outputs, const struct options *options, enum mns_layer layer, enum output_kind kind, const char *pattern)
 {
-    struct mns_image *image = &outputs->images[outputs->count].image;
+    struct mns_image image = {.width = options->width, .height = options->height, .channels = mns_layer_channels(layer)};
     bool float_image = kind == OUTPUT_FILE && has_extension(pattern, "npy");
     bool opaque = options->params.background != MNS_BACKGROUND_TRANSPARENT;
-    *image = (struct mns_image){.width = options->width, .height = options->height, .channels = mns_layer_channels(layer)};
-    image->pixel = float_image ? MNS_PIXEL_F32 : MNS_PIXEL_U8;
+    image.pixel = float_image ? MNS_PIXEL_F32 : MNS_PIXEL_U8;
     if (layer == MNS_LAYER_BEAUTY && !float_image && kind != OUTPUT_STREAM_RGBA && opaque) {
-        image->channels = 3;
+        image.channels = 3;
     }
-    size_t bytes = (size_t)image->width * (size_t)image->height * (size_t)image->channels * (float_image ? 4 : 1);
-    image->data = malloc(bytes);
-    outputs->images[outputs->count].layer = layer;
-    outputs->list[outputs->count++] = (struct output){.kind = kind, .pattern = pattern};
-    return image->data ? STATUS_DONE : program_fail("%s: out of memory for %dx%d pixels", pattern, image->width, image->height);
+    outputs->list[outputs->count++] = (struct output){.kind = kind, .pattern = pattern, .layer = layer, .shape = image};
 }
 
 static bool is_standard(const char *name) { return name && !strcmp(name, "-"); }
@@ -95,27 +90,31 @@ static int plan_stream(struct outputs *outputs, const struct options *options)
     if (program_output_is_terminal()) {
         return program_usage("-: a picture is not written to a terminal; redirect standard output");
     }
-    return add(outputs, options, MNS_LAYER_BEAUTY, !strcmp(format, "rgba") ? OUTPUT_STREAM_RGBA : OUTPUT_STREAM_PNG, "-");
+    add(outputs, options, MNS_LAYER_BEAUTY, !strcmp(format, "rgba") ? OUTPUT_STREAM_RGBA : OUTPUT_STREAM_PNG, "-");
+    return STATUS_DONE;
 }
 
-static int plan_file(struct outputs *outputs, const struct options *options, const struct inputs *inputs, size_t frames,
+static int plan_file(struct outputs *outputs, const struct options *options, const struct inputs *inputs, size_t pictures,
                      enum mns_layer layer, const char *pattern)
 {
     int status = check_extension(pattern);
-    status = status == STATUS_DONE ? check_name(pattern, frames) : status;
+    status = status == STATUS_DONE ? check_name(pattern, pictures) : status;
     status = status == STATUS_DONE ? check_overwrite(pattern, inputs) : status;
     status = status == STATUS_DONE ? check_place(pattern, inputs) : status;
     for (size_t i = 0; status == STATUS_DONE && i < outputs->count; i++) {
         if (!strcmp(outputs->list[i].pattern, pattern)) {
             status = program_usage("%s: is named for two outputs", pattern);
-        } else if (outputs->images[i].layer == layer) {
+        } else if (outputs->list[i].layer == layer) {
             status = program_usage("layer %s is what -o writes already", mns_layer_name(layer));
         }
     }
-    return status == STATUS_DONE ? add(outputs, options, layer, OUTPUT_FILE, pattern) : status;
+    if (status == STATUS_DONE) {
+        add(outputs, options, layer, OUTPUT_FILE, pattern);
+    }
+    return status;
 }
 
-int outputs_plan(struct outputs *outputs, const struct options *options, const struct inputs *inputs, size_t frames)
+int outputs_plan(struct outputs *outputs, const struct options *options, const struct inputs *inputs, size_t pictures)
 {
     *outputs = (struct outputs){.count = 0};
     int status = STATUS_DONE;
@@ -128,20 +127,52 @@ int outputs_plan(struct outputs *outputs, const struct options *options, const s
     if (is_standard(options->output)) {
         status = plan_stream(outputs, options);
     } else if (options->output) {
-        status = plan_file(outputs, options, inputs, frames, MNS_LAYER_BEAUTY, options->output);
+        status = plan_file(outputs, options, inputs, pictures, MNS_LAYER_BEAUTY, options->output);
     }
     for (size_t i = 0; status == STATUS_DONE && i < options->layer_count; i++) {
-        status = plan_file(outputs, options, inputs, frames, options->layers[i].layer, options->layers[i].path);
+        status = plan_file(outputs, options, inputs, pictures, options->layers[i].layer, options->layers[i].path);
     }
     return status;
 }
 
-void outputs_free(struct outputs *outputs)
+bool outputs_in_order(const struct outputs *outputs)
+{
+    return outputs->count > 0 && outputs->list[0].kind != OUTPUT_FILE; /* a stream is the beauty, and so the first */
+}
+
+static size_t bytes_of(const struct mns_image *shape)
+{
+    return (size_t)shape->width * (size_t)shape->height * (size_t)shape->channels * (shape->pixel == MNS_PIXEL_F32 ? 4 : 1);
+}
+
+size_t outputs_bytes(const struct outputs *outputs)
+{
+    size_t bytes = 0;
+    for (size_t i = 0; i < outputs->count; i++) {
+        bytes += bytes_of(&outputs->list[i].shape);
+    }
+    return bytes;
+}
+
+int outputs_images(const struct outputs *outputs, struct mns_output images[OUTPUT_MAX])
 {
     for (size_t i = 0; i < outputs->count; i++) {
-        free(outputs->images[i].image.data);
+        const struct output *output = &outputs->list[i];
+        images[i] = (struct mns_output){.layer = output->layer, .image = output->shape};
+        images[i].image.data = malloc(bytes_of(&output->shape));
+        if (!images[i].image.data) {
+            return program_fail("%s: out of memory for %dx%d pixels", output->pattern, output->shape.width, output->shape.height);
+        }
     }
-    outputs->count = 0;
+    return STATUS_DONE;
+}
+
+void outputs_free_images(const struct outputs *outputs, struct mns_output images[OUTPUT_MAX])
+{
+    for (size_t i = 0; i < outputs->count; i++) {
+        free(images[i].image.data);
+        images[i].image.data = NULL;
+    }
 }
 
 bool outputs_exist(const struct outputs *outputs, long long number)
@@ -158,40 +189,44 @@ bool outputs_exist(const struct outputs *outputs, long long number)
     return true;
 }
 
-static int write_stream(const struct output *output, const struct mns_image *image)
+static bool write_stream(const struct output *output, const struct mns_image *image, struct mns_message *message)
 {
     void *data = image->data;
     size_t size = (size_t)image->width * (size_t)image->height * (size_t)image->channels;
-    struct mns_message message;
+    struct mns_message why;
     bool encode = output->kind == OUTPUT_STREAM_PNG;
-    if (encode && mns_image_encode("png", image, &data, &size, &message) != MNS_OK) {
-        return program_fail("standard output: %s", message.text);
+    if (encode && mns_image_encode("png", image, &data, &size, &why) != MNS_OK) {
+        snprintf(message->text, sizeof(message->text), "standard output: %.900s", why.text);
+        return false;
     }
-    bool good = program_print(data, size) && program_flush();
+    int error = program_output(data, size);
+    if (error) {
+        snprintf(message->text, sizeof(message->text), "standard output: cannot be written: %s", strerror(error));
+    }
     if (encode) {
         mns_memory_free(data);
     }
-    return good ? STATUS_DONE : STATUS_FAILED;
+    return !error;
 }
 
-int outputs_write(const struct outputs *outputs, long long number)
+static bool write_file(const struct output *output, const struct mns_image *image, long long number, struct mns_message *message)
 {
-    int status = STATUS_DONE;
-    for (size_t i = 0; status == STATUS_DONE && i < outputs->count; i++) {
-        const struct output *output = &outputs->list[i];
-        const struct mns_image *image = &outputs->images[i].image;
-        if (output->kind != OUTPUT_FILE) {
-            status = write_stream(output, image);
-            continue;
-        }
-        struct mns_message message;
-        char *name = pattern_name(output->pattern, number);
-        if (!name) {
-            status = program_fail("%s: out of memory", output->pattern);
-        } else if (mns_image_write(name, image, &message) != MNS_OK) {
-            status = program_fail("%s", message.text);
-        }
-        free(name);
+    char *name = pattern_name(output->pattern, number);
+    if (!name) {
+        snprintf(message->text, sizeof(message->text), "%s: out of memory", output->pattern);
     }
-    return status;
+    bool good = name && mns_image_write(name, image, message) == MNS_OK;
+    free(name);
+    return good;
+}
+
+bool outputs_write(const struct outputs *outputs, const struct mns_output images[OUTPUT_MAX], long long number, struct mns_message *message)
+{
+    bool good = true;
+    for (size_t i = 0; good && i < outputs->count; i++) {
+        const struct output *output = &outputs->list[i];
+        good = output->kind == OUTPUT_FILE ? write_file(output, &images[i].image, number, message)
+                                           : write_stream(output, &images[i].image, message);
+    }
+    return good;
 }

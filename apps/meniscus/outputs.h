@@ -1,28 +1,41 @@
-/* outputs.h: the images of a frame: their memory, names and files. */
+/* outputs.h: where the images of a picture go: their shapes, names and files. */
 #ifndef MENISCUS_OUTPUTS_H
 #define MENISCUS_OUTPUTS_H
 
 #include "inputs.h"
 #include "options.h"
 
+enum { OUTPUT_MAX = MNS_LAYER_COUNT + 1 };
+
 enum output_kind { OUTPUT_FILE, OUTPUT_STREAM_PNG, OUTPUT_STREAM_RGBA };
 
 struct output {
     enum output_kind kind;
     const char *pattern; /* a name or a pattern */
+    enum mns_layer layer;
+    struct mns_image shape; /* without memory */
 };
 
 struct outputs {
-    struct output list[MNS_LAYER_COUNT + 1];
-    struct mns_output images[MNS_LAYER_COUNT + 1]; /* what mns_renderer_draw is given */
+    struct output list[OUTPUT_MAX];
     size_t count;
 };
 
-/* Plans the outputs and gets their memory. frames: how many will be drawn. Returns a status; outputs_free may always be called. */
-int outputs_plan(struct outputs *outputs, const struct options *options, const struct inputs *inputs, size_t frames);
-void outputs_free(struct outputs *outputs);
+/* Plans the outputs. pictures: how many will be drawn. Returns a status; on failure it was told why. */
+int outputs_plan(struct outputs *outputs, const struct options *options, const struct inputs *inputs, size_t pictures);
 
-bool outputs_exist(const struct outputs *outputs, long long number); /* all the files of this frame */
-int outputs_write(const struct outputs *outputs, long long number);  /* a status */
+/* Whether pictures must be written one after the other, in their order. */
+bool outputs_in_order(const struct outputs *outputs);
+
+/* One picture's images, with their memory: what mns_renderer_draw is given. Returns a status. */
+int outputs_images(const struct outputs *outputs, struct mns_output images[OUTPUT_MAX]);
+void outputs_free_images(const struct outputs *outputs, struct mns_output images[OUTPUT_MAX]);
+size_t outputs_bytes(const struct outputs *outputs); /* of one picture's images */
+
+bool outputs_exist(const struct outputs *outputs, long long number); /* all the files of this picture */
+
+/* Writes one picture. Tells nothing, and may be called in any thread; false: message says why. */
+bool outputs_write(const struct outputs *outputs, const struct mns_output images[OUTPUT_MAX], long long number,
+                   struct mns_message *message);
 
 #endif

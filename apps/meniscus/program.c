@@ -138,6 +138,12 @@ double program_seconds(void)
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
+int program_output(const void *data, size_t size)
+{
+    errno = 0;
+    return fwrite(data, 1, size, stdout) == size && fflush(stdout) == 0 ? 0 : errno ? errno : EIO;
+}
+
 static bool fail_output(int error)
 {
     program_fail("standard output: cannot be written: %s", strerror(error ? error : EIO));

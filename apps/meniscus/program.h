@@ -44,6 +44,9 @@ int program_check_picture(int width, int height);
 
 double program_seconds(void); /* a clock that only goes forward */
 
+/* Writes to standard output at once, in any thread, and tells nothing: 0 or an errno. */
+int program_output(const void *data, size_t size);
+
 /* Writes to standard output, and ends it: false after telling why. */
 bool program_print(const void *data, size_t size);
 bool program_flush(void);

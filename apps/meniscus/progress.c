@@ -32,10 +32,10 @@ void progress_step(struct progress *progress, const char *what)
     on_screen = true;
 }
 
-void progress_skip(struct progress *progress)
+void progress_skip(struct progress *progress, size_t count)
 {
-    progress->done++;
-    progress->skipped++;
+    progress->done += count;
+    progress->skipped += count;
 }
 
 void progress_clear(void)

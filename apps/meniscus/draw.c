@@ -1,0 +1,49 @@
+/* draw.c: one picture from particles. */
+#include "draw.h"
+
+#include "program.h"
+#include "view.h"
+
+static void warn_if_empty(const struct drawing *drawing, const char *name, const struct mns_stats *stats)
+{
+    if (stats->pixels_covered > 0 || drawing->options->quiet) {
+        return;
+    }
+    program_warn("%s: %s; the picture is the background", name,
+                 stats->measure.count > 0 ? "none of the particles is in view" : "holds no particles");
+}
+
+int draw_picture(const struct drawing *drawing, const struct mns_particles *particles, const struct moment *moment,
+                 const struct mns_output *images, size_t image_count, struct mns_stats *stats)
+{
+    mns_stats_init(stats);
+    if (mns_renderer_prepare(drawing->renderer, particles) != MNS_OK) {
+        return program_fail("%s: %s", moment->name, mns_renderer_message(drawing->renderer));
+    }
+    struct mns_params params = drawing->options->params;
+    struct survey survey;
+    if (drawing->survey) {
+        survey = *drawing->survey;
+        survey_fix_params(&survey, particles->radius.data != NULL, particles->mass.data != NULL, &params);
+    } else {
+        mns_renderer_stats(drawing->renderer, stats);
+        survey_from_measure(&survey, &stats->measure);
+    }
+    struct mns_camera camera;
+    int status = view_camera(&camera, drawing->options, &survey, moment->index, moment->number);
+    if (status != STATUS_DONE) {
+        return status;
+    }
+    struct mns_frame frame;
+    mns_frame_init(&frame);
+    frame.camera = &camera;
+    frame.params = &params;
+    frame.outputs = images;
+    frame.output_count = image_count;
+    if (mns_renderer_draw(drawing->renderer, &frame) != MNS_OK) {
+        return program_fail("%s: %s", moment->name, mns_renderer_message(drawing->renderer));
+    }
+    mns_renderer_stats(drawing->renderer, stats);
+    warn_if_empty(drawing, moment->name, stats);
+    return STATUS_DONE;
+}

@@ -1,0 +1,26 @@
+/* draw.h: one picture from particles. */
+#ifndef MENISCUS_DRAW_H
+#define MENISCUS_DRAW_H
+
+#include "options.h"
+#include "survey.h"
+
+/* What all pictures of a run share. */
+struct drawing {
+    const struct options *options;
+    const struct survey *survey; /* of the sequence; NULL: each picture's own */
+    mns_renderer *renderer;
+};
+
+/* Which picture it is. */
+struct moment {
+    double index;     /* of the frame in the whole input: orbit */
+    double number;    /* of the frame: keys of the camera */
+    const char *name; /* of the frame, for messages */
+};
+
+/* Draws into images, which the particles' frame fills. Returns a status; on failure it was told why. */
+int draw_picture(const struct drawing *drawing, const struct mns_particles *particles, const struct moment *moment,
+                 const struct mns_output *images, size_t image_count, struct mns_stats *stats);
+
+#endif

@@ -1,0 +1,31 @@
+/* plan.h: which pictures are drawn, and which inputs they need. */
+#ifndef MENISCUS_PLAN_H
+#define MENISCUS_PLAN_H
+
+#include "outputs.h"
+
+/* One picture. */
+struct shot {
+    size_t input;     /* its index in the inputs */
+    long long number; /* of the picture */
+};
+
+struct plan {
+    struct shot *shots; /* [count], by rising input */
+    size_t count;
+    size_t skipped; /* shots left out by plan_resume */
+    bool *needed;   /* [inputs.count]: must be read */
+};
+
+/* What --frames chooses. Returns a status; plan_free may always be called. */
+int plan_make(struct plan *plan, const struct inputs *inputs, const struct options *options);
+
+/* Leaves out the pictures whose files are there. */
+void plan_resume(struct plan *plan, const struct outputs *outputs);
+
+/* Fills plan->needed for the shots that are left. */
+void plan_needs(struct plan *plan, const struct inputs *inputs);
+
+void plan_free(struct plan *plan);
+
+#endif
