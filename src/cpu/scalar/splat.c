@@ -1,9 +1,5 @@
 /* splat.c: the kernels of stages bin and splat in plain C: their definition. */
-#include "cpu/sprite.h"
-
-#include <string.h>
-
-static inline int least(int a, int b) { return a < b ? a : b; }
+#include "cpu/scalar/tile.h"
 
 /* Bounds of one chunk's box, grown by the largest radius. */
 static void chunk_bounds(const struct splat_view *view, size_t chunk, int at, struct splat_bounds *out)
@@ -80,47 +76,6 @@ static void bounds(const struct splat_view *view, size_t first, struct splat_bou
     }
 }
 
-struct span {
-    int x0, x1, y0, y1; /* inclusive */
-};
-
-static bool span_of(const struct splat_grid *grid, const struct sprite *s, struct span *out)
-{
-    sprite_span(s->x_min, s->x_max, grid->columns, &out->x0, &out->x1);
-    sprite_span(s->y_min, s->y_max, grid->rows, &out->y0, &out->y1);
-    return out->x0 <= out->x1 && out->y0 <= out->y1;
-}
-
-/* What is at this depth or beyond is hidden everywhere in the span. */
-static float hidden_from(const struct splat_tile *tile, const struct span *span)
-{
-    int columns = TILE_SIZE >> tile->shift_x;
-    float farthest = 0;
-    for (int by = span->y0 >> tile->shift_y; by <= span->y1 >> tile->shift_y; by++) {
-        for (int bx = span->x0 >> tile->shift_x; bx <= span->x1 >> tile->shift_x; bx++) {
-            farthest = fmaxf(farthest, tile->farthest[by * columns + bx]);
-        }
-    }
-    return farthest;
-}
-
-static void update_farthest(struct splat_tile *tile, const struct span *span)
-{
-    int columns = TILE_SIZE >> tile->shift_x, width = 1 << tile->shift_x, height = 1 << tile->shift_y;
-    for (int by = span->y0 >> tile->shift_y; by <= span->y1 >> tile->shift_y; by++) {
-        for (int bx = span->x0 >> tile->shift_x; bx <= span->x1 >> tile->shift_x; bx++) {
-            float most = 0;
-            for (int y = by * height; y < (by + 1) * height; y++) {
-                for (int x = bx * width; x < (bx + 1) * width; x++) {
-                    most = fmaxf(most, tile->nearest[y * TILE_STRIDE + x]);
-                }
-            }
-            int block = by * columns + bx;
-            tile->farthest[block] = most > DEPTH_LIMIT ? DEPTH_EMPTY : most * tile->per_nearest[block];
-        }
-    }
-}
-
 static void draw_depth(const struct splat_view *view, struct splat_tile *tile, const struct sprite *s, const struct span *span)
 {
     struct sprite_poly poly = sprite_poly_of(view, &tile->pixels, s);
@@ -148,23 +103,10 @@ static size_t depth(const struct splat_view *view, struct splat_tile *tile, size
         }
         draw_depth(view, tile, &s, &span);
         drawn += sprite_is_home(view, tile, s.x, s.y);
-        touched.x0 = least(touched.x0, span.x0);
-        touched.y0 = least(touched.y0, span.y0);
-        touched.x1 = -least(-touched.x1, -span.x1);
-        touched.y1 = -least(-touched.y1, -span.y1);
+        touched = span_both(&touched, &span);
     }
     update_farthest(tile, &touched);
     return drawn;
-}
-
-/* weight, and weight * colour. */
-static int amounts_of(const struct splat_view *view, size_t particle, float amount, float out[SUM_COUNT])
-{
-    out[0] = amount;
-    for (int c = 0; c < 3 && view->has_color; c++) {
-        out[1 + c] = amount * view->particles->color[c][particle];
-    }
-    return view->has_color ? SUM_COUNT : 1;
 }
 
 /* Chords, or with a falloff the smooth form. */
@@ -194,25 +136,6 @@ static void add_places(const struct splat_view *view, struct splat_tile *tile, s
     }
 }
 
-static void add_deposit(const struct splat_view *view, struct splat_tile *tile, const struct sprite *s, size_t particle)
-{
-    if (!sprite_reaches(s->x, tile->texels.columns) || !sprite_reaches(s->y, tile->texels.rows)) {
-        return;
-    }
-    float amounts[SUM_COUNT];
-    int count = amounts_of(view, particle, sprite_amount(view, &tile->texels, s), amounts);
-    float x = floorf(s->x + 0.5f), y = floorf(s->y + 0.5f), fx = s->x + 0.5f - x, fy = s->y + 0.5f - y;
-    for (int k = 0; k < count; k++) {
-        float *cell = tile->cells[k] + (int)y * CELL_STRIDE + 4 * (int)x;
-        float low = amounts[k] * (1 - fy), high = amounts[k] * fy;
-        cell[0] += low * (1 - fx);
-        cell[1] += low * fx;
-        cell[2] += high * (1 - fx);
-        cell[3] += high * fx;
-    }
-    tile->deposited = true;
-}
-
 static uint64_t thickness(const struct splat_view *view, struct splat_tile *tile, size_t chunk, float end)
 {
     uint64_t left_out = 0;
@@ -225,7 +148,7 @@ static uint64_t thickness(const struct splat_view *view, struct splat_tile *tile
         float size = sprite_size(view, &tile->texels, &s);
         enum sprite_form form = sprite_form_of(view, size);
         if (form == SPRITE_DEPOSIT) {
-            add_deposit(view, tile, &s, i);
+            add_deposit(view, tile, &s, i, sprite_amount(view, &tile->texels, &s));
         } else {
             add_places(view, tile, &s, i, form == SPRITE_SMOOTH ? sprite_falloff(size) : 0);
         }
