@@ -26,10 +26,25 @@ struct mns_particles {
     struct mns_attr radius;   /* [count], metres, 1e-12 to 1e12; half the rest spacing. Absent: mns_params.radius */
     struct mns_attr mass;     /* [count], kg, 1e-30 to 1e18. With mns_params.rest_density it gives the rest volume */
     struct mns_attr color;    /* [count][3], linear RGB, held to 0 to 1 (NaN: 0). Absent: the fluid has its own colour */
-    struct mns_attr velocity; /* [count][3], m/s. Read by no stage of this version */
-    struct mns_attr density;  /* [count], kg/m^3. Read by no stage of this version */
-    struct mns_attr id;       /* [count], integer. Read by no stage of this version */
+    struct mns_attr velocity; /* [count][3], m/s. The renderer stretches spray along it */
+    struct mns_attr density;  /* [count], kg/m^3. Not read by the renderer */
+    struct mns_attr id;       /* [count], integer: what tells a particle from one frame to the next. Absent: its index */
+
+    /* What each particle is drawn as. meniscus/classify.h and meniscus/anisotropy.h derive them; an engine may give its own. Held to 0 to 1 where
+     * a line says so; what is NaN counts as absent. The renderer rounds 0.001 and less to 0 in water, foam and spray. */
+    struct mns_attr water; /* [count], 0 to 1: factor on the radius of its water sphere, whose volume goes with the cube; 0: no water there.
+                                 Absent: 1 */
+    struct mns_attr foam;  /* [count], 0 to 1: factor on the radius of its foam sphere, likewise. Absent: 0, none */
+    struct mns_attr foam_age; /* [count], 0 to 1: the part of its foam's life that has passed. Absent: 0 */
+    struct mns_attr spray;    /* [count], 0 to 1: opacity of the soft drop that it is drawn as. Absent: 0, none */
+    struct mns_attr noise;    /* [count], 0 to 1: amplitude of its surface noise. Absent: 1 */
+    struct mns_attr shape; /* [count][6]: xx, yy, zz, xy, xz, yz of a symmetric positive matrix A, world space: the splat is the ellipsoid
+                                 { c + R A u, |u| = 1 }. Absent: the identity, a sphere */
+    struct mns_attr kind; /* [count], integer, enum mns_kind. Read of diffuse particles only (mns_renderer_prepare_diffuse). Absent: foam */
 };
+
+/* Kinds of diffuse particles. */
+enum mns_kind { MNS_KIND_FOAM = 0, MNS_KIND_SPRAY = 1, MNS_KIND_BUBBLE = 2 };
 
 /* No particles, no attributes. size: sizeof(struct mns_particles) as the caller knows it. */
 MNS_API void mns_particles_init_sized(struct mns_particles *particles, size_t size);

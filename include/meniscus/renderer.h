@@ -57,6 +57,12 @@ MNS_API void mns_renderer_destroy(mns_renderer **renderer); /* sets *renderer to
  * On failure the renderer holds no particles. */
 MNS_API mns_result mns_renderer_prepare(mns_renderer *renderer, const struct mns_particles *particles);
 
+/* Takes the diffuse particles of a simulator in beside the prepared ones: foam and bubbles are drawn with the foam, spray with the spray. After
+ * prepare, which drops those of the set before; a second call replaces the first; NULL: none. Attributes read: position, radius (metres; absent:
+ * half of the fluid's), foam and spray (absent: 1), foam_age, velocity, kind. Without a fluid, positions are kept as float32.
+ * On failure there are none, and the prepared particles stay. */
+MNS_API mns_result mns_renderer_prepare_diffuse(mns_renderer *renderer, const struct mns_particles *particles);
+
 /* The images that a draw can produce. */
 enum mns_layer {
     MNS_LAYER_BEAUTY = 0,        /* [h][w][4] colour, straight alpha: the picture, or what `display` asks for */

@@ -40,6 +40,7 @@ struct backend_functions {
     void (*destroy)(struct backend *backend);
     mns_result (*prepare)(struct backend *backend, const struct mns_particles *particles, struct mns_measure *measure,
                           struct particle_facts *facts);
+    mns_result (*prepare_diffuse)(struct backend *backend, const struct mns_particles *diffuse, size_t *dropped);
     mns_result (*stages[STAGE_COUNT])(struct backend *backend, const struct frame *frame);
     void (*stats)(const struct backend *backend, struct backend_stats *out);
 };

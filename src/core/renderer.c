@@ -132,6 +132,15 @@ static mns_result finish(struct mns_renderer *renderer, mns_result result)
     return result;
 }
 
+static void warn_dropped(const struct mns_renderer *renderer, mns_result result, size_t dropped, const char *what)
+{
+    if (result == MNS_OK && dropped > 0 && renderer->log.message) {
+        char text[128];
+        snprintf(text, sizeof(text), "%zu %s dropped: their positions are not finite", dropped, what);
+        renderer->log.message(renderer->log.user, MNS_LOG_WARNING, text);
+    }
+}
+
 mns_result mns_renderer_prepare(mns_renderer *renderer, const struct mns_particles *particles)
 {
     renderer->message.text[0] = '\0';
@@ -147,11 +156,27 @@ mns_result mns_renderer_prepare(mns_renderer *renderer, const struct mns_particl
     renderer->prepare_ms = mns_clock_ms() - start;
     renderer->draw_ms = 0;
     renderer->stages_run = 0;
-    if (result == MNS_OK && renderer->measure.dropped > 0 && renderer->log.message) {
-        char text[128];
-        snprintf(text, sizeof(text), "%zu particles dropped: their positions are not finite", renderer->measure.dropped);
-        renderer->log.message(renderer->log.user, MNS_LOG_WARNING, text);
+    warn_dropped(renderer, result, renderer->measure.dropped, "particles");
+    return finish(renderer, result);
+}
+
+mns_result mns_renderer_prepare_diffuse(mns_renderer *renderer, const struct mns_particles *particles)
+{
+    renderer->message.text[0] = '\0';
+    struct mns_particles known;
+    mns_particles_init(&known);
+    if (particles && particles->struct_size < sizeof(particles->struct_size)) {
+        return finish(renderer, mns_fail(&renderer->message, MNS_ERR_INVALID_ARGUMENT,
+                                         "particles.struct_size is %zu; call mns_particles_init first", particles->struct_size));
     }
+    if (particles) {
+        memcpy(&known, particles, particles->struct_size < sizeof(known) ? particles->struct_size : sizeof(known));
+    }
+    double start = mns_clock_ms();
+    size_t dropped;
+    mns_result result = renderer->functions->prepare_diffuse(renderer->backend, &known, &dropped);
+    renderer->prepare_ms += mns_clock_ms() - start;
+    warn_dropped(renderer, result, dropped, "diffuse particles");
     return finish(renderer, result);
 }
 

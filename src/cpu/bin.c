@@ -40,7 +40,27 @@ static int texel_scale(const struct frame *frame)
     return sigma >= 4 * BLUR_TEXELS ? 4 : sigma >= 2 * BLUR_TEXELS ? 2 : 1;
 }
 
-static void resolve_view(struct splat_view *out, const struct particle_store *particles, const struct frame *frame)
+/* V / (4/3 pi R^3), of particles that have their factor 1: with another both go with the cube. */
+static void resolve_weight(struct splat_view *out, const struct frame *frame)
+{
+    const double ball = 4.18879020478639; /* volume of a sphere of radius 1 */
+    double cube = frame->splat_scale > 0 ? 1 : pow((double)out->radius, 3);
+    out->per_cube = frame->splat_scale > 0;
+    out->weight = (float)((double)frame->volume / (ball * cube));
+    if (frame->params.thickness_mode == MNS_THICKNESS_CHORD) {
+        out->weight = 1;
+        out->per_cube = false;
+    } else if (frame->volume_per_mass > 0) {
+        out->weight = (float)((double)frame->volume_per_mass / (ball * cube));
+        out->per_mass = true;
+    } else if (frame->volume_per_cube > 0) {
+        out->weight = (float)((double)frame->volume_per_cube / (ball * pow((double)out->radius_scale, 3)));
+        out->per_cube = false;
+    }
+}
+
+/* larger: times as large as the water's. */
+static void resolve_view(struct splat_view *out, const struct particle_store *particles, const struct frame *frame, float larger)
 {
     const struct view *view = &frame->view;
     *out = (struct splat_view){.particles = particles,
@@ -53,8 +73,10 @@ static void resolve_view(struct splat_view *out, const struct particle_store *pa
                                .height = view->height,
                                .near_plane = view->near_plane,
                                .far_plane = view->far_plane,
-                               .radius = frame->splat_radius,
-                               .radius_scale = frame->splat_scale,
+                               .radius = frame->splat_radius * larger,
+                               .radius_scale = frame->splat_scale * larger,
+                               .radii = particles->radius,
+                               .box_radii = particles->box_radius,
                                .has_color = particles->color[0] != NULL,
                                .scale = texel_scale(frame)};
     memcpy(out->rotation, view->rotation, sizeof(out->rotation));
@@ -63,19 +85,17 @@ static void resolve_view(struct splat_view *out, const struct particle_store *pa
     float reach = largest_of(view->translation, 3) + 3 * fmaxf(largest_of(facts->bounds_min, 3), largest_of(facts->bounds_max, 3));
     out->slack = 1e-6f * reach; /* some 16 roundings of float, of the largest number in the projection */
 
-    const double ball = 4.18879020478639; /* volume of a sphere of radius 1 */
-    double cube = frame->splat_scale > 0 ? 1 : pow((double)frame->splat_radius, 3);
-    out->per_cube = frame->splat_scale > 0;
-    out->weight = (float)((double)frame->volume / (ball * cube));
-    if (frame->params.thickness_mode == MNS_THICKNESS_CHORD) {
-        out->weight = 1;
-        out->per_cube = false;
-    } else if (frame->volume_per_mass > 0) {
-        out->weight = (float)((double)frame->volume_per_mass / (ball * cube));
-        out->per_mass = true;
-    } else if (frame->volume_per_cube > 0) {
-        out->weight = (float)((double)frame->volume_per_cube / (ball * pow((double)frame->splat_scale, 3)));
-        out->per_cube = false;
+    resolve_weight(out, frame);
+    if (!particles->factor) {
+        return;
+    }
+    if (out->per_cube) {
+        out->factors = particles->factor;
+    }
+    if (frame->splat_scale <= 0) { /* one radius times the factors */
+        out->radius_scale = out->radius;
+        out->radii = particles->factor;
+        out->box_radii = particles->box_factor;
     }
 }
 
@@ -184,25 +204,37 @@ static void sum_counts(struct bin *bin)
     tiles->begin[count] = place;
 }
 
-mns_result mns_cpu_bin(struct backend *cpu, const struct frame *frame)
+static bool create(struct backend *cpu)
 {
     struct memory *memory = cpu->host.memory;
     if (!cpu->tiles) {
-        cpu->tiles = mns_memory_get(memory, 1, sizeof(*cpu->tiles));
-        if (!cpu->tiles) {
-            return cpu_out_of_memory(cpu);
+        cpu->tiles = mns_memory_get(memory, STORE_KINDS, sizeof(*cpu->tiles));
+        for (int kind = 0; cpu->tiles && kind < STORE_KINDS; kind++) {
+            cpu->tiles[kind] = (struct tiles){0};
         }
-        *cpu->tiles = (struct tiles){0};
     }
-    struct tiles *tiles = cpu->tiles;
-    resolve_view(&tiles->view, &cpu->particles, frame);
+    if (!cpu->scratch) {
+        cpu->scratch = mns_memory_get(memory, 1, sizeof(*cpu->scratch));
+        if (cpu->scratch) {
+            *cpu->scratch = (struct tiles_scratch){0};
+        }
+    }
+    return cpu->tiles && cpu->scratch;
+}
+
+mns_result mns_cpu_bin_store(struct backend *cpu, const struct frame *frame, enum store_kind kind, float larger)
+{
+    struct memory *memory = cpu->host.memory;
+    const struct particle_store *particles = &cpu->stores[kind];
+    struct tiles *tiles = &cpu->tiles[kind];
+    resolve_view(&tiles->view, particles, frame, larger);
     tiles->columns = (frame->view.width + TILE_SIZE - 1) / TILE_SIZE;
     tiles->rows = (frame->view.height + TILE_SIZE - 1) / TILE_SIZE;
     struct bin bin = {.tiles = tiles, .kernels = cpu->kernels->splat};
     bin.slices = cpu->host.threads < SLICES_MAX ? cpu->host.threads : SLICES_MAX;
 
     size_t count = tile_count(tiles);
-    tiles->chunks = mns_memory_reserve(memory, tiles->chunks, &tiles->chunk_capacity, cpu->particles.chunk_count, sizeof(*tiles->chunks));
+    tiles->chunks = mns_memory_reserve(memory, tiles->chunks, &tiles->chunk_capacity, particles->chunk_count, sizeof(*tiles->chunks));
     tiles->begin = mns_memory_reserve(memory, tiles->begin, &tiles->begin_capacity, count + 1, sizeof(*tiles->begin));
     tiles->counts = mns_memory_reserve(memory, tiles->counts, &tiles->count_capacity, count * (size_t)bin.slices, sizeof(*tiles->counts));
     if (!tiles->chunks || !tiles->begin || !tiles->counts) {
@@ -211,7 +243,7 @@ mns_result mns_cpu_bin(struct backend *cpu, const struct frame *frame)
     cpu_run(cpu, bounds_job, &bin, bin.slices);
     sum_counts(&bin);
     tiles->entries = mns_memory_reserve(memory, tiles->entries, &tiles->entry_capacity, tiles->begin[count], sizeof(*tiles->entries));
-    if (!tiles->entries || !mns_tiles_reserve_scratch(tiles, memory, cpu->host.threads)) {
+    if (!tiles->entries) {
         return cpu_out_of_memory(cpu);
     }
     cpu_run(cpu, scatter_job, &bin, bin.slices);
@@ -220,15 +252,31 @@ mns_result mns_cpu_bin(struct backend *cpu, const struct frame *frame)
     for (int slice = 0; slice < bin.slices; slice++) {
         visible += bin.visible[slice];
     }
-    cpu->stats.particles_visible = visible < cpu->particles.count ? visible : cpu->particles.count;
+    tiles->particles_visible = visible < particles->count ? visible : particles->count;
     return MNS_OK;
 }
 
-void mns_tiles_destroy(struct backend *cpu)
+mns_result mns_cpu_bin(struct backend *cpu, const struct frame *frame)
 {
-    if (cpu->tiles) {
-        mns_tiles_free(cpu->tiles, cpu->host.memory);
-        mns_memory_put(cpu->host.memory, cpu->tiles, 1, sizeof(*cpu->tiles));
-        cpu->tiles = NULL;
+    if (!create(cpu)) {
+        return cpu_out_of_memory(cpu);
+    }
+    mns_result result = mns_cpu_bin_store(cpu, frame, STORE_WATER, 1);
+    cpu->stats.particles_visible = cpu->tiles[STORE_WATER].particles_visible;
+    return result;
+}
+
+void mns_bin_destroy(struct backend *cpu)
+{
+    struct memory *memory = cpu->host.memory;
+    for (int kind = 0; cpu->tiles && kind < STORE_KINDS; kind++) {
+        mns_tiles_free(&cpu->tiles[kind], memory);
+    }
+    mns_memory_put(memory, cpu->tiles, STORE_KINDS, sizeof(*cpu->tiles));
+    cpu->tiles = NULL;
+    if (cpu->scratch) {
+        mns_scratch_free(cpu->scratch, memory);
+        mns_memory_put(memory, cpu->scratch, 1, sizeof(*cpu->scratch));
+        cpu->scratch = NULL;
     }
 }

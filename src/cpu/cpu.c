@@ -30,7 +30,7 @@ static void free_thickness(struct thickness_image *image, struct memory *memory)
 static void destroy(struct backend *cpu)
 {
     struct memory *memory = cpu->host.memory;
-    mns_tiles_destroy(cpu);
+    mns_bin_destroy(cpu);
     mns_scene_destroy(cpu);
     mns_blur_destroy(cpu);
     free_thickness(&cpu->raw, memory);
@@ -43,7 +43,9 @@ static void destroy(struct backend *cpu)
     }
     mns_memory_put(memory, cpu->block_values, cpu->block_values_capacity, sizeof(*cpu->block_values));
     mns_memory_put(memory, cpu->line_scratch, cpu->line_scratch_capacity, sizeof(*cpu->line_scratch));
-    mns_particle_store_free(&cpu->particles, memory);
+    for (int kind = 0; kind < STORE_KINDS; kind++) {
+        mns_particle_store_free(&cpu->stores[kind], memory);
+    }
     mns_memory_put(memory, cpu, 1, sizeof(*cpu));
 }
 
@@ -51,10 +53,16 @@ static mns_result prepare(struct backend *cpu, const struct mns_particles *parti
                           struct particle_facts *facts)
 {
     cpu->generation++;
-    mns_result result = mns_particle_store_fill(&cpu->particles, cpu->host.memory, &cpu->host.parallel, cpu->host.threads, particles,
-                                                measure, cpu->host.message);
-    *facts = cpu->particles.facts;
+    mns_result result = mns_particle_stores_fill(cpu->stores, cpu->host.memory, &cpu->host.parallel, cpu->host.threads, particles, measure,
+                                                 cpu->host.message);
+    *facts = cpu->stores[STORE_WATER].facts;
     return result;
+}
+
+static mns_result prepare_diffuse(struct backend *cpu, const struct mns_particles *diffuse, size_t *dropped)
+{
+    return mns_particle_stores_diffuse(cpu->stores, cpu->host.memory, &cpu->host.parallel, cpu->host.threads, diffuse, dropped,
+                                       cpu->host.message);
 }
 
 static void stats(const struct backend *cpu, struct backend_stats *out)
@@ -68,6 +76,7 @@ const struct backend_functions mns_backend_cpu = {
     .create = create,
     .destroy = destroy,
     .prepare = prepare,
+    .prepare_diffuse = prepare_diffuse,
     .stages = {[STAGE_SCENE] = mns_cpu_scene,
                [STAGE_BIN] = mns_cpu_bin,
                [STAGE_SPLAT] = mns_cpu_splat,

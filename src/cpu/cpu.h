@@ -34,13 +34,14 @@ struct backend {
     const struct kernels *kernels;
     enum mns_isa isa;
 
-    struct particle_store particles; /* prepare */
-    unsigned generation;             /* grows with each prepare: keys what is kept per particle set */
-    struct tiles *tiles;             /* bin */
-    struct depth_plane depth_raw;    /* splat */
-    struct depth_plane depth[2];     /* smooth: its two buffers */
-    struct plane depth_normal[3];    /* smooth: plane-fit's normals, with the depth's border and stride; empty until they are needed */
-    float *block_values;             /* smooth: three values for each block of a depth plane */
+    struct particle_store stores[STORE_KINDS]; /* prepare */
+    unsigned generation;                       /* grows with each prepare: keys what is kept per particle set */
+    struct tiles *tiles;                       /* bin: [STORE_KINDS] */
+    struct tiles_scratch *scratch;             /* one tile of each thread, for the stages that draw tiles in turn */
+    struct depth_plane depth_raw;              /* splat */
+    struct depth_plane depth[2];               /* smooth: its two buffers */
+    struct plane depth_normal[3]; /* smooth: plane-fit's normals, with the depth's border and stride; empty until they are needed */
+    float *block_values;          /* smooth: three values for each block of a depth plane */
     size_t block_values_capacity;
     float *line_scratch; /* smooth: lines that are being solved, for each thread */
     size_t line_scratch_capacity;
@@ -60,8 +61,11 @@ mns_result mns_cpu_smooth(struct backend *cpu, const struct frame *frame);
 mns_result mns_cpu_blur(struct backend *cpu, const struct frame *frame);
 mns_result mns_cpu_shade(struct backend *cpu, const struct frame *frame);
 
+/* Chunks of a store per tile, its radii `larger` times as large, in cpu->tiles[kind]. */
+mns_result mns_cpu_bin_store(struct backend *cpu, const struct frame *frame, enum store_kind kind, float larger);
+
 /* What a stage holds beyond the planes above, given back when the backend goes. */
-void mns_tiles_destroy(struct backend *cpu);
+void mns_bin_destroy(struct backend *cpu);
 void mns_scene_destroy(struct backend *cpu); /* the scene image and the shadow */
 void mns_blur_destroy(struct backend *cpu);
 

@@ -4,9 +4,8 @@
 #include "core/attr.h"
 #include "core/message.h"
 #include "cpu/measure.h"
-#include "util/prefetch.h"
+#include "cpu/store.h"
 
-#include <float.h>
 #include <math.h>
 
 enum { RADIX_BITS = 10, RADIX = 1 << RADIX_BITS, KEY_BITS = 30, SLICE_MAX = 64 };
@@ -14,13 +13,8 @@ enum { RADIX_BITS = 10, RADIX = 1 << RADIX_BITS, KEY_BITS = 30, SLICE_MAX = 64 }
 /* Cubes of lengths in the picture's arithmetic must stay finite. */
 static const double LARGEST_EXTENT = 1e12;
 
-/* A particle on its way to its place. */
-struct entry {
-    uint32_t key, index;
-};
-
 struct fill {
-    struct particle_store *store;
+    size_t count; /* of entries: finite particles */
     const struct mns_particles *particles;
     const struct mns_parallel *parallel;
     int slices;
@@ -28,9 +22,9 @@ struct fill {
         double min[3], max[3];
         size_t finite;
     } part[SLICE_MAX]; /* of each slice */
-    double origin[3];
+    struct particle_facts facts;
     float grid_min[3], grid_scale; /* Morton grid, relative to the origin */
-    struct entry *from, *to;
+    struct store_entry *from, *to;
     int shift;
     uint32_t (*counts)[RADIX]; /* [slices] */
 };
@@ -97,31 +91,21 @@ static uint32_t morton_key(const struct fill *fill, const float p[3])
     return key;
 }
 
-static inline bool position_of(const struct fill *fill, enum mns_type type, size_t i, float out[3])
-{
-    bool finite = true;
-    for (int k = 0; k < 3; k++) {
-        double p = mns_attr_get(&fill->particles->position, type, 3, i, k);
-        finite = finite && isfinite(p);
-        out[k] = (float)(p - fill->origin[k]);
-    }
-    return finite;
-}
-
 /* Finite particles of the slice, with their keys, behind those of the slices before. */
 static void keys_job(void *context, int slice)
 {
     struct fill *fill = context;
     enum mns_type type = fill->particles->position.type;
-    struct entry *out = fill->from;
+    struct store_entry *out = fill->from;
     for (int before = 0; before < slice; before++) {
         out += fill->part[before].finite;
     }
     size_t end = slice_begin(fill->particles->count, slice + 1, fill->slices);
     for (size_t i = slice_begin(fill->particles->count, slice, fill->slices); i < end; i++) {
         float p[3];
-        if (type == MNS_F32 ? position_of(fill, MNS_F32, i, p) : position_of(fill, MNS_F64, i, p)) {
-            *out++ = (struct entry){.key = morton_key(fill, p), .index = (uint32_t)i};
+        if (type == MNS_F32 ? store_position(fill->particles, MNS_F32, fill->facts.origin, i, p)
+                            : store_position(fill->particles, MNS_F64, fill->facts.origin, i, p)) {
+            *out++ = (struct store_entry){.key = morton_key(fill, p), .index = (uint32_t)i};
         }
     }
 }
@@ -131,8 +115,8 @@ static void count_job(void *context, int slice)
     struct fill *fill = context;
     uint32_t *counts = fill->counts[slice];
     memset(counts, 0, sizeof(fill->counts[slice]));
-    size_t end = slice_begin(fill->store->count, slice + 1, fill->slices);
-    for (size_t i = slice_begin(fill->store->count, slice, fill->slices); i < end; i++) {
+    size_t end = slice_begin(fill->count, slice + 1, fill->slices);
+    for (size_t i = slice_begin(fill->count, slice, fill->slices); i < end; i++) {
         counts[fill->from[i].key >> fill->shift & (RADIX - 1)]++;
     }
 }
@@ -141,8 +125,8 @@ static void scatter_job(void *context, int slice)
 {
     struct fill *fill = context;
     uint32_t *places = fill->counts[slice];
-    size_t end = slice_begin(fill->store->count, slice + 1, fill->slices);
-    for (size_t i = slice_begin(fill->store->count, slice, fill->slices); i < end; i++) {
+    size_t end = slice_begin(fill->count, slice + 1, fill->slices);
+    for (size_t i = slice_begin(fill->count, slice, fill->slices); i < end; i++) {
         fill->to[places[fill->from[i].key >> fill->shift & (RADIX - 1)]++] = fill->from[i];
     }
 }
@@ -160,98 +144,43 @@ static void sort_entries(struct fill *fill)
             }
         }
         fill->parallel->run(fill->parallel->user, scatter_job, fill, fill->slices);
-        struct entry *swapped = fill->from;
+        struct store_entry *swapped = fill->from;
         fill->from = fill->to;
         fill->to = swapped;
     }
 }
 
-/* Copies one chunk's particles to their places and measures its box. */
-static void gather_chunk(struct fill *fill, size_t chunk, enum mns_type type)
+/* The entries of the particles of a kind, in order, in fill->to. */
+struct choice {
+    struct fill *fill;
+    enum store_kind kind;
+    bool diffuse;
+    size_t chosen[SLICE_MAX];
+};
+
+static void choose_job(void *context, int slice)
 {
-    enum { AHEAD = 16 }; /* particles, from anywhere in the caller's array */
-    struct particle_store *store = fill->store;
-    const struct mns_particles *in = fill->particles;
-    float min[3] = {FLT_MAX, FLT_MAX, FLT_MAX}, max[3] = {-FLT_MAX, -FLT_MAX, -FLT_MAX}, radius = 0;
-    size_t stride = in->position.stride ? in->position.stride : 3 * mns_type_size(type), last = store->count - 1;
-    for (size_t i = chunk * CHUNK_SIZE; i < (chunk + 1) * CHUNK_SIZE; i++) {
-        size_t index = fill->from[i < last ? i : last].index, ahead = fill->from[i + AHEAD < last ? i + AHEAD : last].index;
-        mns_prefetch((const char *)in->position.data + ahead * stride);
-        float p[3];
-        position_of(fill, type, index, p);
-        store->x[i] = p[0];
-        store->y[i] = p[1];
-        store->z[i] = p[2];
-        for (int k = 0; k < 3; k++) {
-            min[k] = p[k] < min[k] ? p[k] : min[k];
-            max[k] = p[k] > max[k] ? p[k] : max[k];
-        }
-        if (store->radius) {
-            float r = (float)mns_attr_get(&in->radius, in->radius.type, 1, index, 0);
-            store->radius[i] = r;
-            radius = r > radius ? r : radius;
-        }
-        if (store->mass) {
-            store->mass[i] = (float)mns_attr_get(&in->mass, in->mass.type, 1, index, 0);
-        }
-        for (int k = 0; k < 3 && store->color[k]; k++) {
-            double value = mns_attr_get(&in->color, in->color.type, 3, index, k);
-            store->color[k][i] = value > 0 ? value < 1 ? (float)value : 1 : 0; /* NaN: 0 */
+    struct choice *choice = context;
+    struct fill *fill = choice->fill;
+    size_t begin = slice_begin(fill->count, slice, fill->slices), end = slice_begin(fill->count, slice + 1, fill->slices), chosen = begin;
+    for (size_t i = begin; i < end; i++) {
+        if (mns_store_member(fill->particles, choice->kind, choice->diffuse, fill->from[i].index) > 0) {
+            fill->to[chosen++] = fill->from[i];
         }
     }
-    for (int k = 0; k < 3; k++) {
-        store->box_min[k][chunk] = min[k];
-        store->box_max[k][chunk] = max[k];
-    }
-    store->box_radius[chunk] = radius;
+    choice->chosen[slice] = chosen - begin;
 }
 
-static void gather_job(void *context, int slice)
+static size_t choose(struct fill *fill, enum store_kind kind, bool diffuse)
 {
-    struct fill *fill = context;
-    enum mns_type type = fill->particles->position.type;
-    size_t end = slice_begin(fill->store->chunk_count, slice + 1, fill->slices);
-    for (size_t chunk = slice_begin(fill->store->chunk_count, slice, fill->slices); chunk < end; chunk++) {
-        gather_chunk(fill, chunk, type);
+    struct choice choice = {.fill = fill, .kind = kind, .diffuse = diffuse};
+    fill->parallel->run(fill->parallel->user, choose_job, &choice, fill->slices);
+    size_t count = 0;
+    for (int slice = 0; slice < fill->slices; slice++) {
+        memmove(fill->to + count, fill->to + slice_begin(fill->count, slice, fill->slices), choice.chosen[slice] * sizeof(*fill->to));
+        count += choice.chosen[slice];
     }
-}
-
-static size_t padded(const struct particle_store *store) { return store->chunk_count * CHUNK_SIZE; }
-
-static size_t padded_chunks(const struct particle_store *store) { return (store->chunk_count + 15) / 16 * 16; }
-
-void mns_particle_store_free(struct particle_store *store, struct memory *memory)
-{
-    float *arrays[] = {store->x, store->y, store->z, store->radius, store->mass, store->color[0], store->color[1], store->color[2]};
-    for (size_t i = 0; i < sizeof(arrays) / sizeof(arrays[0]); i++) {
-        mns_memory_put(memory, arrays[i], padded(store), sizeof(float));
-    }
-    for (int k = 0; k < 3; k++) {
-        mns_memory_put(memory, store->box_min[k], padded_chunks(store), sizeof(float));
-        mns_memory_put(memory, store->box_max[k], padded_chunks(store), sizeof(float));
-    }
-    mns_memory_put(memory, store->box_radius, padded_chunks(store), sizeof(float));
-    *store = (struct particle_store){0};
-}
-
-static bool allocate_store(struct particle_store *store, struct memory *memory, const struct mns_particles *in)
-{
-    store->chunk_count = (store->count + CHUNK_SIZE - 1) / CHUNK_SIZE;
-    float **arrays[] = {&store->x,    &store->y,        &store->z,        &store->radius,
-                        &store->mass, &store->color[0], &store->color[1], &store->color[2]};
-    const bool wanted[] = {true, true, true, in->radius.data, in->mass.data, in->color.data, in->color.data, in->color.data};
-    bool done = true;
-    for (size_t i = 0; i < sizeof(arrays) / sizeof(arrays[0]); i++) {
-        *arrays[i] = wanted[i] ? mns_memory_get(memory, padded(store), sizeof(float)) : NULL;
-        done = done && (*arrays[i] || !wanted[i]);
-    }
-    float **boxes[] = {&store->box_min[0], &store->box_min[1], &store->box_min[2], &store->box_max[0],
-                       &store->box_max[1], &store->box_max[2], &store->box_radius};
-    for (size_t i = 0; i < sizeof(boxes) / sizeof(boxes[0]); i++) {
-        *boxes[i] = mns_memory_get(memory, padded_chunks(store), sizeof(float));
-        done = done && *boxes[i];
-    }
-    return done;
+    return count;
 }
 
 /* What every particle must have right. */
@@ -299,12 +228,12 @@ static void measure_bounds(struct fill *fill, struct mns_measure *measure)
         }
     }
     *measure = (struct mns_measure){.count = finite, .dropped = fill->particles->count - finite};
-    struct particle_facts *facts = &fill->store->facts;
-    fill->store->count = facts->count = finite;
+    struct particle_facts *facts = &fill->facts;
+    fill->count = facts->count = finite;
     for (int k = 0; k < 3 && finite > 0; k++) {
         measure->bounds_min[k] = min[k];
         measure->bounds_max[k] = max[k];
-        fill->origin[k] = facts->origin[k] = 0.5 * min[k] + 0.5 * max[k];
+        facts->origin[k] = 0.5 * min[k] + 0.5 * max[k];
         facts->bounds_min[k] = (float)(min[k] - facts->origin[k]);
         facts->bounds_max[k] = (float)(max[k] - facts->origin[k]);
     }
@@ -328,7 +257,7 @@ static size_t take_sample(const struct fill *fill, float *values[4])
     for (size_t run = 0; run * step < in->count; run++) {
         size_t i = sample_index(run, step);
         float p[3];
-        if (i < in->count && position_of(fill, in->position.type, i, p)) {
+        if (i < in->count && store_position(in, in->position.type, fill->facts.origin, i, p)) {
             for (int k = 0; k < 3; k++) {
                 values[k][taken] = p[k];
             }
@@ -351,13 +280,13 @@ static bool measure_quantiles(struct fill *fill, struct memory *memory, struct m
     }
     size_t taken = take_sample(fill, values);
     for (int k = 0; k < 3; k++) {
-        float low = fill->store->facts.bounds_min[k], high = fill->store->facts.bounds_max[k];
+        float low = fill->facts.bounds_min[k], high = fill->facts.bounds_max[k];
         if (taken > 0) {
             low = mns_select(values[k], taken, taken / 1000);
             high = mns_select(values[k], taken, taken - 1 - taken / 1000);
         }
-        measure->inner_min[k] = fill->origin[k] + (double)low;
-        measure->inner_max[k] = fill->origin[k] + (double)high;
+        measure->inner_min[k] = fill->facts.origin[k] + (double)low;
+        measure->inner_max[k] = fill->facts.origin[k] + (double)high;
         fill->grid_min[k] = low;
         extent = fmaxf(extent, high - low);
     }
@@ -369,10 +298,12 @@ static bool measure_quantiles(struct fill *fill, struct memory *memory, struct m
     return true;
 }
 
-static bool order(struct fill *fill, struct memory *memory)
+/* Calls fill_stores(fill, context) with the particles in Morton order in fill->from, and as much room in fill->to. false: out of memory. */
+static bool in_order(struct fill *fill, struct memory *memory, bool (*fill_stores)(struct fill *fill, void *context), void *context)
 {
-    size_t count = fill->store->count;
-    struct entry *entries[2] = {mns_memory_get(memory, count, sizeof(struct entry)), mns_memory_get(memory, count, sizeof(struct entry))};
+    size_t count = fill->count;
+    struct store_entry *entries[2] = {mns_memory_get(memory, count, sizeof(struct store_entry)),
+                                      mns_memory_get(memory, count, sizeof(struct store_entry))};
     fill->counts = mns_memory_get(memory, (size_t)fill->slices, sizeof(*fill->counts));
     bool done = entries[0] && entries[1] && fill->counts;
     if (done) {
@@ -380,60 +311,204 @@ static bool order(struct fill *fill, struct memory *memory)
         fill->to = entries[1];
         fill->parallel->run(fill->parallel->user, keys_job, fill, fill->slices);
         sort_entries(fill);
-        fill->parallel->run(fill->parallel->user, gather_job, fill, fill->slices);
+        done = fill_stores(fill, context);
     }
     mns_memory_put(memory, fill->counts, (size_t)fill->slices, sizeof(*fill->counts));
-    mns_memory_put(memory, entries[1], count, sizeof(struct entry));
-    mns_memory_put(memory, entries[0], count, sizeof(struct entry));
+    mns_memory_put(memory, entries[1], count, sizeof(struct store_entry));
+    mns_memory_put(memory, entries[0], count, sizeof(struct store_entry));
     return done;
 }
 
-static void fill_facts(struct particle_store *store, const struct mns_measure *measure)
+/* all: every particle of the set as it is given. */
+static bool measure_all(struct fill *fill, const struct particle_store *all, struct memory *memory, struct mns_measure *measure)
 {
-    struct particle_facts *facts = &store->facts;
+    struct particle_facts *facts = &fill->facts;
+    if (!mns_measure_spacing(all, memory, fill->parallel, &measure->spacing)) {
+        return false;
+    }
+    measure->radius = all->radius ? measure->radius : 0.5 * measure->spacing;
     facts->spacing = measure->spacing;
     facts->radius = measure->radius;
-    facts->has_radius = store->radius != NULL;
-    facts->has_mass = store->mass != NULL;
-    facts->has_color = store->color[0] != NULL;
-    for (size_t i = 0; store->radius && i < store->count; i++) {
-        double r = (double)store->radius[i];
+    for (size_t i = 0; all->radius && i < all->count; i++) {
+        double r = (double)all->radius[i];
         facts->radius_cubed_sum += r * r * r;
     }
-    for (size_t i = 0; store->mass && i < store->count; i++) {
-        facts->mass_sum += (double)store->mass[i];
+    for (size_t i = 0; all->mass && i < all->count; i++) {
+        facts->mass_sum += (double)all->mass[i];
+    }
+    return true;
+}
+
+struct own {
+    struct particle_store *stores;
+    struct memory *memory;
+    struct mns_measure *measure;
+};
+
+/* What part of the water turned into something else must change no radius and no volume: where there is an attribute `water` the whole set is
+ * measured in a store that is then dropped. */
+static bool measure_whole(struct fill *fill, const struct own *own)
+{
+    struct mns_particles whole = *fill->particles;
+    whole.water.data = whole.color.data = NULL;
+    const struct store_source source = {.particles = &whole, .entries = fill->from, .count = fill->count, .kind = STORE_WATER};
+    struct particle_store all = {.facts = fill->facts};
+    bool done =
+        mns_store_fill(&all, &source, own->memory, fill->parallel, fill->slices) && measure_all(fill, &all, own->memory, own->measure);
+    mns_particle_store_free(&all, own->memory);
+    return done;
+}
+
+static bool fill_own(struct fill *fill, void *context)
+{
+    const struct own *own = context;
+    const struct mns_particles *in = fill->particles;
+    if (in->water.data && !measure_whole(fill, own)) {
+        return false;
+    }
+    const struct mns_attr *const members[STORE_KINDS] = {&in->water, &in->foam, &in->spray};
+    for (int kind = 0; kind < STORE_KINDS; kind++) {
+        struct store_source source = {.particles = in, .entries = fill->from, .count = fill->count, .kind = (enum store_kind)kind};
+        if (members[kind]->data) {
+            source.count = choose(fill, source.kind, false);
+            source.entries = fill->to;
+        }
+        own->stores[kind].facts = fill->facts;
+        if ((kind == STORE_WATER || members[kind]->data) &&
+            !mns_store_fill(&own->stores[kind], &source, own->memory, fill->parallel, fill->slices)) {
+            return false;
+        }
+        if (kind == STORE_WATER && !in->water.data && !measure_all(fill, &own->stores[kind], own->memory, own->measure)) {
+            return false;
+        }
+    }
+    for (int kind = 0; kind < STORE_KINDS; kind++) {
+        own->stores[kind].facts = fill->facts;
+    }
+    return true;
+}
+
+static void free_stores(struct particle_store stores[STORE_KINDS], struct memory *memory)
+{
+    for (int kind = 0; kind < STORE_KINDS; kind++) {
+        mns_particle_store_free(&stores[kind], memory);
     }
 }
 
-mns_result mns_particle_store_fill(struct particle_store *store, struct memory *memory, const struct mns_parallel *parallel, int threads,
-                                   const struct mns_particles *particles, struct mns_measure *measure, struct mns_message *message)
+static mns_result check_extent(const double min[3], const double max[3], struct mns_message *message)
 {
-    mns_particle_store_free(store, memory);
+    for (int k = 0; k < 3; k++) {
+        if (!(max[k] - min[k] < LARGEST_EXTENT)) {
+            return mns_fail(message, MNS_ERR_INVALID_ARGUMENT, "the particles span %g m along %c; at most %g can be drawn", max[k] - min[k],
+                            "xyz"[k], LARGEST_EXTENT);
+        }
+    }
+    return MNS_OK;
+}
+
+static struct fill begin_fill(const struct mns_particles *particles, const struct mns_parallel *parallel, int threads)
+{
+    struct fill fill = {.particles = particles, .parallel = parallel};
+    fill.slices = threads < 1 ? 1 : threads < SLICE_MAX ? threads : SLICE_MAX;
+    return fill;
+}
+
+mns_result mns_particle_stores_fill(struct particle_store stores[STORE_KINDS], struct memory *memory, const struct mns_parallel *parallel,
+                                    int threads, const struct mns_particles *particles, struct mns_measure *measure,
+                                    struct mns_message *message)
+{
+    free_stores(stores, memory);
     *measure = (struct mns_measure){0};
     mns_result result = check(particles, message);
     if (result != MNS_OK) {
         return result;
     }
-    struct fill fill = {.store = store, .particles = particles, .parallel = parallel};
-    fill.slices = threads < 1 ? 1 : threads < SLICE_MAX ? threads : SLICE_MAX;
+    struct fill fill = begin_fill(particles, parallel, threads);
+    fill.facts.has_radius = particles->radius.data != NULL;
+    fill.facts.has_mass = particles->mass.data != NULL;
+    fill.facts.has_color = particles->color.data != NULL;
     measure_bounds(&fill, measure);
-    if (store->count == 0) {
+    if (fill.count == 0) {
         return MNS_OK;
     }
-    for (int k = 0; k < 3; k++) {
-        if (!(measure->bounds_max[k] - measure->bounds_min[k] < LARGEST_EXTENT)) {
-            *store = (struct particle_store){0};
-            return mns_fail(message, MNS_ERR_INVALID_ARGUMENT, "the particles span %g m along %c; at most %g can be drawn",
-                            measure->bounds_max[k] - measure->bounds_min[k], "xyz"[k], LARGEST_EXTENT);
-        }
+    result = check_extent(measure->bounds_min, measure->bounds_max, message);
+    if (result != MNS_OK) {
+        return result;
     }
-    bool done = measure_quantiles(&fill, memory, measure) && allocate_store(store, memory, particles) && order(&fill, memory) &&
-                mns_measure_spacing(store, memory, parallel, &measure->spacing);
-    if (!done) {
-        mns_particle_store_free(store, memory);
+    struct own own = {.stores = stores, .memory = memory, .measure = measure};
+    if (!measure_quantiles(&fill, memory, measure) || !in_order(&fill, memory, fill_own, &own)) {
+        free_stores(stores, memory);
         return mns_fail(message, MNS_ERR_OUT_OF_MEMORY, "out of memory for %zu particles", particles->count);
     }
-    measure->radius = store->radius ? measure->radius : 0.5 * measure->spacing;
-    fill_facts(store, measure);
+    return MNS_OK;
+}
+
+static bool fill_diffuse(struct fill *fill, void *context)
+{
+    const struct own *own = context;
+    for (int kind = STORE_FOAM; kind < STORE_KINDS; kind++) {
+        struct particle_store *store = &own->stores[kind];
+        const struct particle_facts *facts = &store->facts;
+        const struct store_source source = {.particles = fill->particles,
+                                            .entries = fill->to,
+                                            .count = choose(fill, (enum store_kind)kind, true),
+                                            .kind = (enum store_kind)kind,
+                                            .diffuse = true,
+                                            .radius = facts->radius > 0 ? facts->radius : 1,
+                                            .mass = facts->count > 0 ? (float)(facts->mass_sum / (double)facts->count) : 0};
+        if (!mns_store_fill(store, &source, own->memory, fill->parallel, fill->slices)) {
+            return false;
+        }
+        for (int k = 0; k < 3; k++) {
+            store->facts.bounds_min[k] = fminf(store->facts.bounds_min[k], fill->facts.bounds_min[k]);
+            store->facts.bounds_max[k] = fmaxf(store->facts.bounds_max[k], fill->facts.bounds_max[k]);
+        }
+    }
+    return true;
+}
+
+mns_result mns_particle_stores_diffuse(struct particle_store stores[STORE_KINDS], struct memory *memory,
+                                       const struct mns_parallel *parallel, int threads, const struct mns_particles *diffuse,
+                                       size_t *dropped, struct mns_message *message)
+{
+    *dropped = 0;
+    for (int kind = STORE_FOAM; kind < STORE_KINDS; kind++) {
+        mns_store_drop_diffuse(&stores[kind], memory);
+        stores[kind].facts = stores[STORE_WATER].facts;
+    }
+    mns_result result = check(diffuse, message);
+    if (result != MNS_OK) {
+        return result;
+    }
+    struct fill fill = begin_fill(diffuse, parallel, threads);
+    struct mns_measure measure;
+    measure_bounds(&fill, &measure);
+    *dropped = measure.dropped;
+    if (fill.count == 0) {
+        return MNS_OK;
+    }
+    const struct particle_facts *facts = &stores[STORE_WATER].facts;
+    float extent = 0;
+    for (int k = 0; k < 3; k++) { /* all stores have one origin */
+        fill.facts.origin[k] = facts->origin[k];
+        fill.facts.bounds_min[k] = (float)(measure.bounds_min[k] - facts->origin[k]);
+        fill.facts.bounds_max[k] = (float)(measure.bounds_max[k] - facts->origin[k]);
+        fill.grid_min[k] = fill.facts.bounds_min[k];
+        extent = fmaxf(extent, fill.facts.bounds_max[k] - fill.facts.bounds_min[k]);
+        measure.bounds_min[k] = fmin(measure.bounds_min[k], facts->origin[k]);
+        measure.bounds_max[k] = fmax(measure.bounds_max[k], facts->origin[k]);
+    }
+    fill.grid_scale = extent > 0 ? 1023.0f / extent : 0;
+    result = check_extent(measure.bounds_min, measure.bounds_max, message);
+    if (result != MNS_OK) {
+        return result;
+    }
+    struct own own = {.stores = stores, .memory = memory};
+    if (!in_order(&fill, memory, fill_diffuse, &own)) {
+        for (int kind = STORE_FOAM; kind < STORE_KINDS; kind++) {
+            mns_store_drop_diffuse(&stores[kind], memory);
+        }
+        return mns_fail(message, MNS_ERR_OUT_OF_MEMORY, "out of memory for %zu diffuse particles", diffuse->count);
+    }
     return MNS_OK;
 }

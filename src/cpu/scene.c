@@ -50,7 +50,7 @@ static mns_result resolve_light(struct backdrop *out, struct backend *cpu, const
         sun[c] = out->sky.sun_light[c] * sine;
         out->light_open[c] = sun[c] + out->sky.sky_light[c];
     }
-    if (!out->has_floor || !frame->params.shadow || cpu->particles.count == 0) {
+    if (!out->has_floor || !frame->params.shadow || cpu->stores[STORE_WATER].count == 0) {
         return MNS_OK;
     }
     mns_result result = mns_shadow_update(cpu, frame, sun, out->sky.sky_light);

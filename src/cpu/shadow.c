@@ -64,11 +64,12 @@ static const float *axis_of(const struct particle_store *store, int axis) { retu
 
 static float volume_of(const struct frame *frame, const struct particle_store *store, size_t i)
 {
-    if (frame->volume_per_mass > 0) {
-        return frame->volume_per_mass * store->mass[i];
+    float r = store->radius ? store->radius[i] : 0, factor = store->factor ? store->factor[i] : 1;
+    if (frame->volume_per_cube > 0) {
+        return frame->volume_per_cube * r * r * r; /* the factor is in the radius */
     }
-    float r = frame->volume_per_cube > 0 ? store->radius[i] : 0;
-    return frame->volume_per_cube > 0 ? frame->volume_per_cube * r * r * r : frame->volume;
+    float volume = frame->volume_per_mass > 0 ? frame->volume_per_mass * store->mass[i] : frame->volume;
+    return volume * factor * factor * factor;
 }
 
 /* Whether a chunk may touch rows [begin, end) of the map. */
@@ -235,7 +236,7 @@ static void compose_band(void *context, int band)
 /* Bounds along one axis of the map of where the particles' shadows fall, and of the particles themselves. */
 static bool span(struct backend *cpu, const struct projection *p, bool along_v, float out[2])
 {
-    const struct particle_store *store = &cpu->particles;
+    const struct particle_store *store = &cpu->stores[STORE_WATER];
     size_t step = store->count / QUANTILE_SAMPLE + 1, taken = 0;
     float *sample = mns_memory_get(cpu->host.memory, QUANTILE_SAMPLE + 1, sizeof(float));
     if (!sample) {
@@ -301,7 +302,7 @@ static bool make(struct backend *cpu, const struct frame *frame, struct shadow *
         return false;
     }
     float per_area = 1 / (shadow->texel * shadow->texel);
-    struct deposit deposit = {.particles = &cpu->particles,
+    struct deposit deposit = {.particles = &cpu->stores[STORE_WATER],
                               .frame = frame,
                               .projection = towards_sun,
                               .sums = shadow->sums[0],

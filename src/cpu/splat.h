@@ -57,9 +57,11 @@ struct splat_view {
     float fx, fy, cx, cy;
     int width, height;
     float near_plane, far_plane;
-    float radius;       /* R, metres, where radius_scale is 0 */
-    float radius_scale; /* R_i = radius_scale * radius_i */
-    float weight;       /* of every particle; times mass_i with per_mass, over R_i^3 with per_cube */
+    float radius;                   /* R, metres, where radius_scale is 0 */
+    float radius_scale;             /* R_i = radius_scale * radii[i]; box_radii: the largest in each chunk */
+    const float *radii, *box_radii; /* of the store: its radii in metres, or its factors */
+    float weight;                   /* of every particle; times mass_i with per_mass, over R_i^3 with per_cube */
+    const float *factors;           /* with per_cube: what R_i has in it beyond the particle's own radius, or NULL */
     bool per_mass, per_cube;
     bool has_color;
     int scale;   /* pixels per texel */

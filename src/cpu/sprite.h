@@ -20,13 +20,17 @@ struct sprite {
 
 static inline float sprite_radius(const struct splat_view *view, size_t particle)
 {
-    return view->radius_scale > 0 ? view->radius_scale * view->particles->radius[particle] : view->radius;
+    return view->radius_scale > 0 ? view->radius_scale * view->radii[particle] : view->radius;
 }
 
 static inline float sprite_weight(const struct splat_view *view, size_t particle, float radius)
 {
     float weight = view->per_mass ? view->weight * view->particles->mass[particle] : view->weight;
-    return fminf(view->per_cube ? weight / (radius * radius * radius) : weight, WEIGHT_MAX);
+    if (view->per_cube) {
+        float own = view->factors ? radius / view->factors[particle] : radius;
+        weight /= own * own * own;
+    }
+    return fminf(weight, WEIGHT_MAX);
 }
 
 static inline void sprite_center(const struct splat_view *view, size_t particle, float q[3])

@@ -4,10 +4,10 @@
 /* Floats of one thread's buffers. */
 enum { NEAREST_FLOATS = TILE_SIZE * TILE_STRIDE, SUM_FLOATS = TILE_SIZE * TILE_STRIDE, CELL_FLOATS = (TILE_SIZE / 2 + 1) * CELL_STRIDE };
 
-static void free_scratch(struct tiles *tiles, struct memory *memory)
+void mns_scratch_free(struct tiles_scratch *all, struct memory *memory)
 {
-    for (int i = 0; i < tiles->scratch_count; i++) {
-        struct tile_scratch *scratch = &tiles->scratch[i];
+    for (int i = 0; i < all->count; i++) {
+        struct tile_scratch *scratch = &all->threads[i];
         mns_memory_put(memory, scratch->tile.nearest, NEAREST_FLOATS, sizeof(float));
         for (int k = 0; k < SUM_COUNT; k++) {
             mns_memory_put(memory, scratch->tile.sums[k], SUM_FLOATS, sizeof(float));
@@ -16,9 +16,8 @@ static void free_scratch(struct tiles *tiles, struct memory *memory)
         mns_memory_put(memory, scratch->list, scratch->list_capacity, sizeof(*scratch->list));
         mns_memory_put(memory, scratch->order, scratch->order_capacity, sizeof(*scratch->order));
     }
-    mns_memory_put(memory, tiles->scratch, (size_t)tiles->scratch_count, sizeof(*tiles->scratch));
-    tiles->scratch = NULL;
-    tiles->scratch_count = 0;
+    mns_memory_put(memory, all->threads, (size_t)all->count, sizeof(*all->threads));
+    *all = (struct tiles_scratch){0};
 }
 
 static bool reserve_tile(struct splat_tile *tile, struct memory *memory, int sums)
@@ -33,23 +32,23 @@ static bool reserve_tile(struct splat_tile *tile, struct memory *memory, int sum
     return done;
 }
 
-bool mns_tiles_reserve_scratch(struct tiles *tiles, struct memory *memory, int threads)
+bool mns_scratch_reserve(struct tiles_scratch *all, const struct tiles *tiles, struct memory *memory, int threads)
 {
-    if (tiles->scratch_count != threads) {
-        free_scratch(tiles, memory);
-        tiles->scratch = mns_memory_get(memory, (size_t)threads, sizeof(*tiles->scratch));
-        if (!tiles->scratch) {
+    if (all->count != threads) {
+        mns_scratch_free(all, memory);
+        all->threads = mns_memory_get(memory, (size_t)threads, sizeof(*all->threads));
+        if (!all->threads) {
             return false;
         }
-        tiles->scratch_count = threads;
+        all->count = threads;
         for (int i = 0; i < threads; i++) {
-            tiles->scratch[i] = (struct tile_scratch){0};
+            all->threads[i] = (struct tile_scratch){0};
         }
     }
     int sums = tiles->view.has_color ? SUM_COUNT : 1;
     bool done = true;
     for (int i = 0; i < threads && done; i++) {
-        struct tile_scratch *scratch = &tiles->scratch[i];
+        struct tile_scratch *scratch = &all->threads[i];
         scratch->list = mns_memory_reserve(memory, scratch->list, &scratch->list_capacity, tiles->largest, sizeof(*scratch->list));
         scratch->order = mns_memory_reserve(memory, scratch->order, &scratch->order_capacity, tiles->largest, sizeof(*scratch->order));
         done = reserve_tile(&scratch->tile, memory, sums) && scratch->list && scratch->order;
@@ -59,7 +58,6 @@ bool mns_tiles_reserve_scratch(struct tiles *tiles, struct memory *memory, int t
 
 void mns_tiles_free(struct tiles *tiles, struct memory *memory)
 {
-    free_scratch(tiles, memory);
     mns_memory_put(memory, tiles->chunks, tiles->chunk_capacity, sizeof(*tiles->chunks));
     mns_memory_put(memory, tiles->begin, tiles->begin_capacity, sizeof(*tiles->begin));
     mns_memory_put(memory, tiles->entries, tiles->entry_capacity, sizeof(*tiles->entries));

@@ -1,4 +1,4 @@
-/* tiles.h: which chunks each tile of the picture has to draw. */
+/* tiles.h: which chunks of a store each tile of the picture has to draw, and drawing them. */
 #ifndef MNS_CPU_TILES_H
 #define MNS_CPU_TILES_H
 
@@ -37,15 +37,30 @@ struct tiles {
     uint32_t *entries;         /* chunks of tile 0, in order, then of tile 1, ... */
     size_t *counts;            /* [slices][columns * rows] */
     size_t largest;            /* most chunks in one tile */
-    size_t particles_visible;
-
-    struct tile_scratch *scratch; /* [scratch_count] */
-    int scratch_count;
+    size_t particles_visible;  /* in the frustum, by chunks */
     size_t chunk_capacity, begin_capacity, entry_capacity, count_capacity;
 };
 
-/* One piece of scratch per thread, each with room for the fullest tile. false: out of memory. */
-bool mns_tiles_reserve_scratch(struct tiles *tiles, struct memory *memory, int threads);
+/* What all stores' tiles are drawn in, in turn. */
+struct tiles_scratch {
+    struct tile_scratch *threads; /* [count] */
+    int count;
+};
+
 void mns_tiles_free(struct tiles *tiles, struct memory *memory);
+
+/* One piece of scratch per thread, each with room for the fullest tile. false: out of memory. */
+bool mns_scratch_reserve(struct tiles_scratch *scratch, const struct tiles *tiles, struct memory *memory, int threads);
+void mns_scratch_free(struct tiles_scratch *scratch, struct memory *memory);
+
+/* Takes a tile's chunks up; what follows draws them. Returns how many there are. */
+size_t mns_tile_begin(const struct tiles *tiles, size_t index, struct tile_scratch *scratch);
+
+/* tile.sums and tile.cells: the thickness of the tile's chunks, before depth `end` (NULL: none) where that may cut them. */
+void mns_tile_thickness(const struct tiles *tiles, const struct splat_kernels *kernels, struct tile_scratch *scratch, size_t count,
+                        const struct plane *end);
+
+/* tile.nearest: the nearest of the tile's chunks. Counts the particles drawn in scratch. */
+void mns_tile_depth(const struct tiles *tiles, const struct splat_kernels *kernels, struct tile_scratch *scratch, size_t count);
 
 #endif

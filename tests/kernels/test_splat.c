@@ -12,6 +12,7 @@ struct bench {
     struct particle_store store;
     struct splat_view view;
     struct tiles tiles;
+    struct tiles_scratch scratch;
     struct splat_tile *tile[2];
 };
 
@@ -71,13 +72,16 @@ static void open_bench(struct bench *b, enum kind kind, int scale, float pixels)
     }
     if (kind == OWN_RADII) {
         b->view.radius_scale = b->view.radius;
+        b->view.radii = b->store.radius;
+        b->view.box_radii = b->store.box_radius;
         b->view.per_mass = b->view.per_cube = true;
+        b->view.factors = b->store.color[2]; /* 0.2 to 1.2 will do */
         b->view.weight *= b->view.radius * b->view.radius * b->view.radius;
     }
     b->tiles.view = b->view;
-    assert_true(mns_tiles_reserve_scratch(&b->tiles, &b->memory, 2));
+    assert_true(mns_scratch_reserve(&b->scratch, &b->tiles, &b->memory, 2));
     for (int i = 0; i < 2; i++) {
-        b->tile[i] = &b->tiles.scratch[i].tile;
+        b->tile[i] = &b->scratch.threads[i].tile;
         b->tile[i]->pixels = (struct splat_grid){b->view.fx, b->view.fy, b->view.cx, b->view.cy, 128, 121};
         b->tile[i]->texels = (struct splat_grid){
             b->view.fx / (float)scale, b->view.fy / (float)scale, b->view.cx / (float)scale, b->view.cy / (float)scale, 128 / scale,
@@ -103,7 +107,7 @@ static void open_bench(struct bench *b, enum kind kind, int scale, float pixels)
 
 static void close_bench(struct bench *b)
 {
-    mns_tiles_free(&b->tiles, &b->memory);
+    mns_scratch_free(&b->scratch, &b->memory);
     float *arrays[] = {b->store.x,    b->store.y,        b->store.z,        b->store.radius,
                        b->store.mass, b->store.color[0], b->store.color[1], b->store.color[2]};
     for (int k = 0; k < 8; k++) {

@@ -113,10 +113,11 @@ static void test_store_keeps_every_particle_in_tight_chunks_whatever_the_threads
     struct memory memory;
     mns_memory_init(&memory, NULL);
     const struct mns_parallel parallel = {.run = run_backwards};
-    struct particle_store one = {0}, seven = {0};
+    struct particle_store stores[2][STORE_KINDS] = {{{0}}};
     struct mns_measure measure;
-    assert_int_equal(mns_particle_store_fill(&one, &memory, &parallel, 1, &particles, &measure, NULL), MNS_OK);
-    assert_int_equal(mns_particle_store_fill(&seven, &memory, &parallel, 7, &particles, &measure, NULL), MNS_OK);
+    assert_int_equal(mns_particle_stores_fill(stores[0], &memory, &parallel, 1, &particles, &measure, NULL), MNS_OK);
+    assert_int_equal(mns_particle_stores_fill(stores[1], &memory, &parallel, 7, &particles, &measure, NULL), MNS_OK);
+    struct particle_store one = stores[0][STORE_WATER], seven = stores[1][STORE_WATER];
     assert_int_equal(one.count, COUNT);
     assert_memory_equal(one.x, seven.x, COUNT * sizeof(float));
     assert_memory_equal(one.y, seven.y, COUNT * sizeof(float));

@@ -5,7 +5,7 @@
 static void chunk_bounds(const struct splat_view *view, size_t chunk, int at, struct splat_bounds *out)
 {
     const struct particle_store *p = view->particles;
-    float radius = view->radius_scale > 0 ? view->radius_scale * p->box_radius[chunk] : view->radius;
+    float radius = view->radius_scale > 0 ? view->radius_scale * view->box_radii[chunk] : view->radius;
     float center[3], extent[3];
     for (int k = 0; k < 3; k++) {
         center[k] = view->translation[k];

@@ -296,7 +296,7 @@ SIMD struct boxes boxes_of(const struct splat_view *view, size_t first)
     }
     out.radius = vf_set1(view->radius);
     if (view->radius_scale > 0) {
-        out.radius = vf_set1(view->radius_scale) * vf_loadu(p->box_radius + first);
+        out.radius = vf_set1(view->radius_scale) * vf_loadu(view->box_radii + first);
     }
     return out;
 }

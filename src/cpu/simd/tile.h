@@ -44,7 +44,7 @@ SIMD struct spheres project(const struct splat_view *view, const struct splat_gr
     s.z = transform(&view->rotation[6], px, py, pz, view->translation[2]);
     s.radius = vf_set1(view->radius);
     if (view->radius_scale > 0) {
-        s.radius = vf_set1(view->radius_scale) * vf_load(p->radius + first);
+        s.radius = vf_set1(view->radius_scale) * vf_load(view->radii + first);
     }
     if (view->orthographic) {
         s.a = s.b = s.rho = vf_zero();
@@ -146,6 +146,9 @@ SIMD vf weight_of(const struct splat_view *view, size_t first, vf radius)
         weight = weight * vf_load(view->particles->mass + first);
     }
     if (view->per_cube) {
+        if (view->factors) {
+            radius = radius / vf_load(view->factors + first);
+        }
         weight = weight / (radius * radius * radius);
     }
     return vf_min(weight, vf_set1(WEIGHT_MAX));
