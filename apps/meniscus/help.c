@@ -6,17 +6,18 @@
 
 #include <string.h>
 
-static const enum command commands[] = {COMMAND_RENDER, COMMAND_INFO, COMMAND_BENCH, COMMAND_SAMPLE, COMMAND_LAB};
+static const enum command commands[] = {COMMAND_RENDER, COMMAND_INFO, COMMAND_CONVERT, COMMAND_BENCH, COMMAND_SAMPLE, COMMAND_LAB};
 
 enum { COMMANDS = sizeof(commands) / sizeof(commands[0]) };
 
 static const char *usage_of(enum command command)
 {
-    return command == COMMAND_RENDER   ? "meniscus render INPUT... -o OUTPUT [options]"
-           : command == COMMAND_INFO   ? "meniscus info INPUT... [options]"
-           : command == COMMAND_BENCH  ? "meniscus bench INPUT... [options]"
-           : command == COMMAND_SAMPLE ? "meniscus sample NAME --particles N -o FILE [options]"
-                                       : "meniscus lab [papers] [options]";
+    return command == COMMAND_RENDER    ? "meniscus render INPUT... -o OUTPUT [options]"
+           : command == COMMAND_INFO    ? "meniscus info INPUT... [options]"
+           : command == COMMAND_CONVERT ? "meniscus convert INPUT... -o OUTPUT [options]"
+           : command == COMMAND_BENCH   ? "meniscus bench INPUT... [options]"
+           : command == COMMAND_SAMPLE  ? "meniscus sample NAME --particles N -o FILE [options]"
+                                        : "meniscus lab [papers] [options]";
 }
 
 static const char *text_of(enum command command)
@@ -25,6 +26,9 @@ static const char *text_of(enum command command)
                ? "Draws pictures from particle files. INPUT: files, a directory, a pattern (frame_%04d.vtk), a .pvd, a case file (.json), "
                  "or - for standard input."
            : command == COMMAND_INFO ? "Tells what files hold: count, attributes, bounds, radius, format."
+           : command == COMMAND_CONVERT
+               ? "Writes the particles of files in another format, with all their attributes. Where a format lacks a type, docs/formats.md "
+                 "tells what becomes of it."
            : command == COMMAND_BENCH
                ? "Measures the time per stage, without file access: the median over new views of a prepared particle set. A case file "
                  "(.json) brings its view."

@@ -13,6 +13,7 @@ static const struct {
 } commands[] = {
     {"render", COMMAND_RENDER, command_render, "pictures from particle files"},
     {"info", COMMAND_INFO, command_info, "what a file holds"},
+    {"convert", COMMAND_CONVERT, command_convert, "particle files from one format to another"},
     {"bench", COMMAND_BENCH, command_bench, "milliseconds per stage"},
     {"sample", COMMAND_SAMPLE, command_sample, "procedural particle sets of any size"},
     {"lab", COMMAND_LAB, command_lab, "measures the filters on surfaces known in closed form"},
@@ -45,7 +46,8 @@ static void print_version(void)
     uint32_t version = mns_version();
     printf("meniscus %u.%u.%u\n", (unsigned)(version / 1000000), (unsigned)(version / 1000 % 1000), (unsigned)(version % 1000));
     print_names("reads: ", mns_read_format);
-    print_names("writes: ", mns_image_write_format);
+    print_names("writes images: ", mns_image_write_format);
+    print_names("writes particles: ", mns_particles_write_format);
     print_names("not in this build: ", mns_missing_feature);
     printf("instruction sets:");
     for (int i = MNS_ISA_SCALAR; mns_isa_name((enum mns_isa)i); i++) {
@@ -89,7 +91,7 @@ int main(int count, char **arguments)
         print_help(stderr);
         return STATUS_USAGE;
     } else {
-        return program_usage("unknown command '%s'; there are render, info, bench, sample and lab, and --help", word);
+        return program_usage("unknown command '%s'; there are render, info, convert, bench, sample and lab, and --help", word);
     }
     return program_flush() ? STATUS_DONE : STATUS_FAILED;
 }

@@ -460,14 +460,17 @@ static bool set_csv(struct options *options, const char *value, struct mns_messa
 enum {
     DRAWS = COMMAND_RENDER | COMMAND_BENCH,
     SMOOTHS = COMMAND_RENDER | COMMAND_BENCH | COMMAND_LAB,
-    READS = COMMAND_RENDER | COMMAND_BENCH | COMMAND_INFO,
-    ALL = COMMAND_RENDER | COMMAND_BENCH | COMMAND_INFO | COMMAND_SAMPLE | COMMAND_LAB
+    READS = COMMAND_RENDER | COMMAND_BENCH | COMMAND_INFO | COMMAND_CONVERT,
+    ALL = COMMAND_RENDER | COMMAND_BENCH | COMMAND_INFO | COMMAND_SAMPLE | COMMAND_LAB | COMMAND_CONVERT
 };
 
 const struct option_row option_table[] = {
     {"--output", 'o', "OUTPUT", COMMAND_RENDER, NULL, set_output,
      "the picture: .png or .npy; for several frames a pattern such as out_%04d.png, numbered as the inputs are; - for standard output"},
-    {"--output", 'o', "FILE", COMMAND_SAMPLE, NULL, set_output, "the particles: .npz (all attributes) or .npy (positions)"},
+    {"--output", 'o', "FILE", COMMAND_SAMPLE, NULL, set_output,
+     "the particles: .npz, .ply, .vtp or .bgeo (all attributes), .npy (positions)"},
+    {"--output", 'o', "OUTPUT", COMMAND_CONVERT, NULL, set_output,
+     "the particles: .npz, .ply, .vtp or .bgeo (all attributes), .npy (positions); for several files a pattern such as out_%04d.npz"},
     {"--output-format", 0, "FORMAT", COMMAND_RENDER, NULL, set_output_format, "of standard output: png or rgba (bytes, row by row)"},
     {"--output", 'o', "FILE", COMMAND_LAB, NULL, set_output, "the table (standard output)"},
     {"--particles", 0, "N", COMMAND_SAMPLE, NULL, set_particles, "how many particles: 1000, 100k, 10M"},
@@ -508,9 +511,10 @@ const struct option_row option_table[] = {
     {"--look", 0, "FILE.json", SMOOTHS, NULL, set_look, "parameters from a file; options go before it; repeatable"},
     {"--save-look", 0, "FILE.json", DRAWS, NULL, set_save_look, "save the parameters that differ from the defaults"},
 
-    {"--frames", 0, "A:B:STEP", COMMAND_RENDER, NULL, set_frames, "which frames, by the numbers in the file names, inclusive"},
+    {"--frames", 0, "A:B:STEP", COMMAND_RENDER | COMMAND_CONVERT, NULL, set_frames,
+     "which frames, by the numbers in the file names, inclusive"},
     {"--resume", 0, NULL, COMMAND_RENDER, NULL, set_resume, "skip pictures that are there"},
-    {"--keep-going", 0, NULL, COMMAND_RENDER, NULL, set_keep_going, "skip and count frames that cannot be read"},
+    {"--keep-going", 0, NULL, COMMAND_RENDER | COMMAND_CONVERT, NULL, set_keep_going, "skip and count frames that cannot be read"},
 
     {"--backend", 0, "NAME", DRAWS, NULL, set_backend, "auto or cpu"},
     {"--threads", 0, "N", SMOOTHS, NULL, set_threads, "threads (all the processors this process may use)"},
@@ -526,7 +530,7 @@ const struct option_row option_table[] = {
     {"--json", 0, NULL, COMMAND_INFO | COMMAND_BENCH | COMMAND_LAB, NULL, set_json, "for programs"},
     {"--csv", 0, NULL, COMMAND_LAB, NULL, set_csv, "for spreadsheets: a line per scene and filter"},
     {"--quiet", 'q', NULL, ALL, NULL, set_quiet, "no warnings, no progress"},
-    {"--verbose", 'v', NULL, COMMAND_RENDER | COMMAND_BENCH, NULL, set_verbose, "tell what is done"},
+    {"--verbose", 'v', NULL, COMMAND_RENDER | COMMAND_BENCH | COMMAND_CONVERT, NULL, set_verbose, "tell what is done"},
     {"--help", 'h', NULL, ALL, NULL, set_help, "this text"},
     {NULL, 0, NULL, 0, NULL, NULL, NULL},
 };
@@ -538,9 +542,10 @@ bool option_apply(struct options *options, const struct option_row *row, const c
 
 const char *option_command_name(enum command command)
 {
-    return command == COMMAND_RENDER   ? "render"
-           : command == COMMAND_INFO   ? "info"
-           : command == COMMAND_BENCH  ? "bench"
-           : command == COMMAND_SAMPLE ? "sample"
-                                       : "lab";
+    return command == COMMAND_RENDER    ? "render"
+           : command == COMMAND_INFO    ? "info"
+           : command == COMMAND_CONVERT ? "convert"
+           : command == COMMAND_BENCH   ? "bench"
+           : command == COMMAND_SAMPLE  ? "sample"
+                                        : "lab";
 }

@@ -9,7 +9,7 @@
 #include <stddef.h>
 #include <stdio.h>
 
-enum command { COMMAND_RENDER = 1, COMMAND_INFO = 2, COMMAND_BENCH = 4, COMMAND_SAMPLE = 8, COMMAND_LAB = 16 };
+enum command { COMMAND_RENDER = 1, COMMAND_INFO = 2, COMMAND_BENCH = 4, COMMAND_SAMPLE = 8, COMMAND_LAB = 16, COMMAND_CONVERT = 32 };
 
 struct setting {
     const char *name;

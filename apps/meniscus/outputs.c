@@ -67,6 +67,13 @@ static int check_place(const char *pattern, const struct inputs *inputs)
     return status;
 }
 
+int outputs_check_place(const char *pattern, const struct inputs *inputs, size_t frames)
+{
+    int status = check_name(pattern, frames);
+    status = status == STATUS_DONE ? check_overwrite(pattern, inputs) : status;
+    return status == STATUS_DONE ? check_place(pattern, inputs) : status;
+}
+
 static void add(struct outputs *outputs, const struct options *options, enum mns_layer layer, enum output_kind kind, const char *pattern)
 {
     struct mns_image image = {.width = options->width, .height = options->height, .channels = mns_layer_channels(layer)};
@@ -98,9 +105,7 @@ static int plan_file(struct outputs *outputs, const struct options *options, con
                      enum mns_layer layer, const char *pattern)
 {
     int status = check_extension(pattern);
-    status = status == STATUS_DONE ? check_name(pattern, pictures) : status;
-    status = status == STATUS_DONE ? check_overwrite(pattern, inputs) : status;
-    status = status == STATUS_DONE ? check_place(pattern, inputs) : status;
+    status = status == STATUS_DONE ? outputs_check_place(pattern, inputs, pictures) : status;
     for (size_t i = 0; status == STATUS_DONE && i < outputs->count; i++) {
         if (!strcmp(outputs->list[i].pattern, pattern)) {
             status = program_usage("%s: is named for two outputs", pattern);

@@ -38,4 +38,7 @@ bool outputs_exist(const struct outputs *outputs, long long number); /* all the 
 bool outputs_write(const struct outputs *outputs, const struct mns_output images[OUTPUT_MAX], long long number,
                    struct mns_message *message);
 
+/* Whether `frames` files can be made under this name or pattern: it has numbers, names no input, and its folder takes files. Returns a status. */
+int outputs_check_place(const char *pattern, const struct inputs *inputs, size_t frames);
+
 #endif

@@ -60,6 +60,7 @@ int program_write_file(const char *path, const char *text);
 /* The commands. */
 int command_render(struct options *options);
 int command_info(struct options *options);
+int command_convert(struct options *options);
 int command_bench(struct options *options);
 int command_lab_papers(struct options *options); /* meniscus lab papers */
 int command_sample(struct options *options);

@@ -15,6 +15,6 @@ struct progress {
 void progress_begin(struct progress *progress, size_t total, bool quiet);
 void progress_step(struct progress *progress, const char *what);
 void progress_skip(struct progress *progress, size_t count); /* those that are done already */
-void progress_clear(void);                     /* takes the bar away, for a line of text or at the end */
+void progress_clear(void);                                   /* takes the bar away, for a line of text or at the end */
 
 #endif

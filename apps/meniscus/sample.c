@@ -1,6 +1,8 @@
 /* sample.c: `meniscus sample`: finds the spacing at which a shape holds as many particles as are wanted, and writes them. */
 #include "sample.h"
 
+#include "convert.h"
+
 #include "options.h"
 #include "program.h"
 
@@ -165,9 +167,9 @@ int command_sample(struct options *options)
     if (options->input_count != 1 || !options->particles || !options->output) {
         return program_usage("sample needs a name, a number and a file: meniscus sample NAME --particles N -o FILE");
     }
-    const char *name = options->inputs[0], *dot = strrchr(options->output, '.');
-    if (!dot || (strcmp(dot, ".npz") != 0 && strcmp(dot, ".npy") != 0)) {
-        return program_usage("%s: particles are written as .npz or .npy", options->output);
+    const char *name = options->inputs[0];
+    if (convert_check_format(options->output) != STATUS_DONE) {
+        return STATUS_USAGE;
     }
     const struct sample_shape *shape = sample_find(name);
     if (shape) {

@@ -97,8 +97,17 @@ MNS_API mns_result mns_image_encode(const char *format, const struct mns_image *
                                     struct mns_message *message);
 MNS_API void mns_memory_free(void *data);
 
-/* Writes particles: .npy (positions), .npz (position, velocity, density, radius, id, mass, color as there are). */
+/* Names of the particle formats that are written, each also the extension: "npz", "ply", ... index out of range: NULL. */
+MNS_API const char *mns_particles_write_format(size_t index);
+
+/* Writes particles by the extension: .npy (positions only), .npz, .ply, .vtp or .bgeo (position, velocity, density, radius, id, mass, color as
+ * there are). docs/formats.md tells what becomes of types that a format lacks. */
 MNS_API mns_result mns_particles_write(const char *path, const struct mns_particles *particles, struct mns_message *message);
+
+/* Writes a set with all its attributes under their own names and in their own types, in any of these formats; what was put together from other
+ * attributes (u, v, w to a velocity) is left out. log (may be NULL): warnings of what the format cannot hold. */
+MNS_API mns_result mns_particle_set_write(const char *path, const mns_particle_set *set, const struct mns_log *log,
+                                          struct mns_message *message);
 
 #ifdef __cplusplus
 }

@@ -1,6 +1,9 @@
-/* read_ply.c: the vertices of a PLY file, ASCII or binary of either byte order, with all their scalar properties. Faces are not read. */
+/* read_ply.c: the vertices of a PLY file, ASCII or binary of either byte order, with all their scalar properties. Faces are not read.
+ *
+ * Consecutive properties of one type whose names differ in their ending alone (normal_x normal_y normal_z, q_0 q_1 ...) are one vector. */
 #include "io/set.h"
 
+#include <stdio.h>
 #include <string.h>
 
 enum { ELEMENT_MAX = 64, PROPERTY_MAX = 1024, NAME_LENGTH = 64, BLOCK = 256 /* vertices that stay in the cache */ };
@@ -378,6 +381,49 @@ static struct property *find_property(struct ply *ply, const struct element *ele
     return NULL;
 }
 
+/* Whether a name is `base` with this component's ending: _x, _y, _z, or _0, _1 ... */
+static bool is_component(const char *name, const char *base, size_t length, bool letters, size_t component)
+{
+    char ending[24];
+    snprintf(ending, sizeof(ending), letters ? "_%c" : "_%u", letters ? (int)('x' + component) : (int)component);
+    return strncmp(name, base, length) == 0 && strcmp(name + length, ending) == 0;
+}
+
+/* How many properties from here on are the components of one vector, which has the first `length` letters of their names; 1: none. */
+static size_t find_vector(const struct property *first, size_t properties, size_t *length)
+{
+    const char *ending = strrchr(first->name, '_');
+    *length = ending ? (size_t)(ending - first->name) : 0;
+    bool letters = ending && strcmp(ending, "_x") == 0;
+    if (*length == 0 || (!letters && strcmp(ending, "_0") != 0)) {
+        return 1;
+    }
+    size_t size = 1;
+    while (size < properties && !(letters && size == 3) && !first[size].list && !first[size].out && first[size].type == first->type &&
+           is_component(first[size].name, first->name, *length, letters, size)) {
+        size++;
+    }
+    return letters && size < 3 ? 1 : size;
+}
+
+/* Adds a scalar, or the vector that begins here; *taken: how many properties that are. */
+static bool add_property(struct ply *ply, struct property *first, size_t properties, size_t *taken)
+{
+    char name[NAME_LENGTH];
+    size_t length, size = mns_type_size(first->type);
+    *taken = find_vector(first, properties, &length);
+    memcpy(name, first->name, sizeof(name));
+    if (*taken > 1) {
+        name[length] = '\0';
+    }
+    uint8_t *out = mns_set_add(ply->context, name, first->type, (int)*taken);
+    for (size_t k = 0; out && k < *taken; k++) {
+        first[k].out = out + k * size;
+        first[k].stride = *taken * size;
+    }
+    return out != NULL;
+}
+
 static mns_result add_attributes(struct ply *ply, const struct element *vertex)
 {
     struct property *const axes[3] = {find_property(ply, vertex, "x"), find_property(ply, vertex, "y"), find_property(ply, vertex, "z")};
@@ -401,14 +447,9 @@ static mns_result add_attributes(struct ply *ply, const struct element *vertex)
         axes[i]->out = position + i * mns_type_size(type);
         axes[i]->stride = 3 * mns_type_size(type);
     }
-    for (size_t k = 0; k < vertex->properties; k++) {
+    for (size_t k = 0, taken = 1; k < vertex->properties; k += taken, taken = 1) {
         struct property *property = &ply->properties[vertex->first + k];
-        if (property->list || property->out) {
-            continue;
-        }
-        property->stride = mns_type_size(property->type);
-        property->out = mns_set_add(ply->context, property->name, property->type, 1);
-        if (!property->out) {
+        if (!property->list && !property->out && !add_property(ply, property, vertex->properties - k, &taken)) {
             return MNS_ERR_OUT_OF_MEMORY;
         }
     }

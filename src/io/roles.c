@@ -129,6 +129,7 @@ static mns_result join(struct read_context *context, enum mns_role role, struct 
             return MNS_ERR_OUT_OF_MEMORY;
         }
         interleave(joined->data, in, set->count, mns_type_size(type));
+        joined->joined = true;
         *out = joined;
         return MNS_OK;
     }

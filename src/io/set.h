@@ -14,6 +14,7 @@ struct attribute {
     size_t filled;           /* particles of the pieces so far that had it */
     bool dropped;            /* pieces disagree; freed when the piece ends */
     bool hidden;             /* a role's array in a type the renderer takes; not listed */
+    bool joined;             /* put together from other attributes, which are listed too */
 };
 
 struct block {

@@ -1,257 +1,170 @@
-/* write_particles.c: particles as numpy arrays: .npy holds the positions, .npz (a zip of stored .npy members) all there is. */
+/* write_particles.c: particles to files: the list of formats, the table of columns that they write, and its names. */
 #include "core/message.h"
-#include "io/atomic_file.h"
-#include "io/npy.h"
-#include "io/reader.h"
+#include "io/particle_writer.h"
+#include "io/set.h"
 
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum {
-    LOCAL_SIZE = 30,
-    LOCAL_EXTRA = 20,
-    ENTRY_SIZE = 46,
-    ENTRY_EXTRA = 28,
-    END64_SIZE = 56,
-    LOCATOR_SIZE = 20,
-    END_SIZE = 22,
-    BUFFER = 65536,
-    MEMBER_MAX = 7,
-    ALIGNMENT = 64
-};
+static const struct mns_particle_writer *const writers[] = {&mns_particle_writer_npz, &mns_particle_writer_npy, &mns_particle_writer_ply,
+                                                            &mns_particle_writer_vtp, &mns_particle_writer_bgeo};
 
-struct member {
-    const char *name;
-    struct mns_attr attr;
-    int components;
-    uint64_t offset; /* of the local header */
-    uint64_t size;   /* of the .npy in it */
-    uint32_t crc;
-    bool vector; /* [n][components], not [n] */
-};
+enum { WRITERS = sizeof(writers) / sizeof(writers[0]), PIECE = 65536 };
 
-struct writer {
-    struct atomic_file *file;
-    const struct mns_particles *particles;
-    uint32_t crc_table[256];
-    uint8_t *buffer; /* [BUFFER] */
-};
+const char *mns_particles_write_format(size_t index) { return index < WRITERS ? writers[index]->name : NULL; }
 
-/* ---- .npy ---- */
+static char lower(char c) { return c >= 'A' && c <= 'Z' ? (char)(c - 'A' + 'a') : c; }
 
-static void npy_header(uint8_t out[NPY_HEADER_SIZE], const struct member *member, size_t count)
+/* Whether path ends in a dot and one of the space-separated extensions. */
+static bool ends_in(const char *path, const char *extensions)
 {
-    mns_npy_header(out, member->attr.type, member->vector ? 2 : 1, (const size_t[]){count, (size_t)member->components});
+    size_t length = strlen(path);
+    for (const char *e = extensions; *e;) {
+        size_t n = strcspn(e, " "), same = 0;
+        while (length > n + 1 && same < n && lower(path[length - n + same]) == e[same]) {
+            same++;
+        }
+        if (length > n + 1 && same == n && path[length - n - 1] == '.') {
+            return true;
+        }
+        e += n;
+        e += strspn(e, " ");
+    }
+    return false;
 }
 
-/* Takes the packed bytes of an array piece by piece; false: stop. */
-typedef bool (*sink)(struct writer *writer, const void *data, size_t size, void *user);
-
-static bool each_piece(struct writer *writer, const struct member *member, sink out, void *user)
+static mns_result find(const char *path, const struct mns_particle_writer **out, struct mns_message *message)
 {
-    size_t bytes = mns_type_size(member->attr.type) * (size_t)member->components, count = writer->particles->count;
-    size_t stride = member->attr.stride ? member->attr.stride : bytes, per_piece = BUFFER / bytes;
-    const uint8_t *in = member->attr.data;
-    if (stride == bytes) { /* packed as it is */
-        return count == 0 || out(writer, in, count * bytes, user);
+    char list[128] = "";
+    for (size_t i = 0; i < WRITERS; i++) {
+        if (ends_in(path, writers[i]->extensions)) {
+            *out = writers[i];
+            return MNS_OK;
+        }
+        size_t used = strlen(list);
+        snprintf(list + used, sizeof(list) - used, "%s.%s", i == 0 ? "" : i + 1 < WRITERS ? ", " : " or ", writers[i]->name);
     }
-    for (size_t start = 0; start < count; start += per_piece) {
-        size_t n = count - start < per_piece ? count - start : per_piece;
+    return mns_fail(message, MNS_ERR_UNSUPPORTED, "%s: particles are written as %s", path, list);
+}
+
+/* ---- what writers share ---- */
+
+bool mns_put_file(void *user, const void *data, size_t size) { return mns_atomic_write(user, data, size); }
+
+bool mns_column_put(const struct particle_table *table, const struct particle_column *column, const struct byte_sink *sink)
+{
+    size_t bytes = mns_column_bytes(column), per_piece = PIECE / bytes;
+    if (column->stride == bytes || table->count == 0) { /* packed as it is */
+        return table->count == 0 || sink->put(sink->user, column->data, table->count * bytes);
+    }
+    uint8_t piece[PIECE];
+    for (size_t start = 0; start < table->count; start += per_piece) {
+        size_t n = table->count - start < per_piece ? table->count - start : per_piece;
         for (size_t i = 0; i < n; i++) {
-            memcpy(writer->buffer + i * bytes, in + (start + i) * stride, bytes);
+            memcpy(piece + i * bytes, column->data + (start + i) * column->stride, bytes);
         }
-        if (!out(writer, writer->buffer, n * bytes, user)) {
+        if (!sink->put(sink->user, piece, n * bytes)) {
             return false;
         }
     }
     return true;
 }
 
-static bool to_file(struct writer *writer, const void *data, size_t size, void *user)
+void mns_column_warn(const struct particle_table *table, const char *format, ...)
 {
-    (void)user;
-    return mns_atomic_write(writer->file, data, size);
-}
-
-static bool write_npy(struct writer *writer, const struct member *member)
-{
-    uint8_t header[NPY_HEADER_SIZE];
-    npy_header(header, member, writer->particles->count);
-    return mns_atomic_write(writer->file, header, NPY_HEADER_SIZE) && each_piece(writer, member, to_file, NULL);
-}
-
-/* ---- .npz ---- */
-
-static void fill_crc_table(uint32_t table[256])
-{
-    for (uint32_t i = 0; i < 256; i++) {
-        uint32_t c = i;
-        for (int k = 0; k < 8; k++) {
-            c = (c & 1) ? 0xedb88320u ^ (c >> 1) : c >> 1;
-        }
-        table[i] = c;
+    char text[800];
+    struct mns_message line;
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(text, sizeof(text), format, arguments);
+    va_end(arguments);
+    if (table->log.message) {
+        mns_fail(&line, MNS_OK, "%s: %s", table->path, text);
+        table->log.message(table->log.user, MNS_LOG_WARNING, line.text);
     }
 }
 
-static bool to_crc(struct writer *writer, const void *data, size_t size, void *user)
+mns_result mns_table_out_of_memory(const struct particle_table *table)
 {
-    uint32_t *crc = user, c = *crc;
-    const uint8_t *p = data;
-    for (size_t i = 0; i < size; i++) {
-        c = writer->crc_table[(c ^ p[i]) & 0xff] ^ (c >> 8);
-    }
-    *crc = c;
-    return true;
+    return mns_fail(table->message, MNS_ERR_OUT_OF_MEMORY, "%s: out of memory", table->path);
 }
 
-static uint8_t *put(uint8_t *p, uint64_t value, int bytes)
-{
-    for (int i = 0; i < bytes; i++) {
-        *p++ = (uint8_t)(value >> (8 * i));
-    }
-    return p;
-}
+/* ---- the table ---- */
 
-/* What a local header and a directory entry share: version to crc and 32-bit sizes, which say that the 64-bit ones stand in the extra field. */
-static uint8_t *put_common(uint8_t *p, const struct member *member, size_t name_size, size_t extra_size)
+static bool name_is_taken(const struct particle_table *table, const char *name)
 {
-    p = put(p, 45, 2);   /* zip64 */
-    p = put(p, 0, 2);    /* flags */
-    p = put(p, 0, 2);    /* stored */
-    p = put(p, 0, 2);    /* 00:00 */
-    p = put(p, 0x21, 2); /* 1 January 1980: the same bytes every time */
-    p = put(p, member->crc, 4);
-    p = put(p, UINT32_MAX, 4);
-    p = put(p, UINT32_MAX, 4);
-    p = put(p, name_size, 2);
-    return put(p, extra_size, 2);
-}
-
-/* The local header, padded by an extra field so that the array's bytes are aligned in the file, and the member. */
-static bool write_member(struct writer *writer, struct member *member)
-{
-    uint8_t header[LOCAL_SIZE + 32 + LOCAL_EXTRA + 4 + ALIGNMENT] = {0}, array[NPY_HEADER_SIZE];
-    size_t name_size = strlen(member->name) + 4, count = writer->particles->count;
-    member->offset = mns_atomic_size(writer->file);
-    member->size = NPY_HEADER_SIZE + (uint64_t)count * (uint64_t)member->components * mns_type_size(member->attr.type);
-    npy_header(array, member, count);
-    uint32_t crc = UINT32_MAX;
-    to_crc(writer, array, NPY_HEADER_SIZE, &crc);
-    each_piece(writer, member, to_crc, &crc);
-    member->crc = ~crc;
-
-    size_t padding = (ALIGNMENT - (size_t)((member->offset + LOCAL_SIZE + name_size + LOCAL_EXTRA + 4) % ALIGNMENT)) % ALIGNMENT;
-    uint8_t *p = put(header, 0x04034b50, 4);
-    p = put_common(p, member, name_size, LOCAL_EXTRA + 4 + padding);
-    memcpy(p, member->name, name_size - 4);
-    memcpy(p + name_size - 4, ".npy", 4);
-    p = put(p + name_size, 1, 2);
-    p = put(p, 16, 2);
-    p = put(p, member->size, 8);
-    p = put(p, member->size, 8);
-    p = put(p, 0xa220, 2); /* padding, as others mark it */
-    p = put(p, padding, 2);
-    return mns_atomic_write(writer->file, header, (size_t)(p - header) + padding) && write_npy(writer, member);
-}
-
-static bool write_entry(struct writer *writer, const struct member *member)
-{
-    uint8_t entry[ENTRY_SIZE + 32 + ENTRY_EXTRA] = {0};
-    size_t name_size = strlen(member->name) + 4;
-    uint8_t *p = put(entry, 0x02014b50, 4);
-    p = put(p, 45, 2);
-    p = put_common(p, member, name_size, ENTRY_EXTRA);
-    p = put(p, 0, 2); /* comment */
-    p = put(p, 0, 2); /* disk */
-    p = put(p, 0, 2);
-    p = put(p, 0, 4); /* attributes */
-    p = put(p, UINT32_MAX, 4);
-    memcpy(p, member->name, name_size - 4);
-    memcpy(p + name_size - 4, ".npy", 4);
-    p = put(p + name_size, 1, 2);
-    p = put(p, 24, 2);
-    p = put(p, member->size, 8);
-    p = put(p, member->size, 8);
-    p = put(p, member->offset, 8);
-    return mns_atomic_write(writer->file, entry, (size_t)(p - entry));
-}
-
-static bool write_end(struct writer *writer, size_t members, uint64_t directory)
-{
-    uint8_t end[END64_SIZE + LOCATOR_SIZE + END_SIZE];
-    uint64_t at = mns_atomic_size(writer->file), size = at - directory;
-    uint8_t *p = put(end, 0x06064b50, 4);
-    p = put(p, END64_SIZE - 12, 8);
-    p = put(p, 45, 2);
-    p = put(p, 45, 2);
-    p = put(p, 0, 4);
-    p = put(p, 0, 4);
-    p = put(p, members, 8);
-    p = put(p, members, 8);
-    p = put(p, size, 8);
-    p = put(p, directory, 8);
-    p = put(p, 0x07064b50, 4);
-    p = put(p, 0, 4);
-    p = put(p, at, 8);
-    p = put(p, 1, 4);
-    p = put(p, 0x06054b50, 4);
-    p = put(p, 0, 4);
-    p = put(p, members, 2);
-    p = put(p, members, 2);
-    p = put(p, UINT32_MAX, 4);
-    p = put(p, UINT32_MAX, 4);
-    p = put(p, 0, 2);
-    return mns_atomic_write(writer->file, end, (size_t)(p - end));
-}
-
-static bool write_npz(struct writer *writer)
-{
-    const struct mns_particles *particles = writer->particles;
-    struct member members[MEMBER_MAX] = {
-        {.name = "position", .attr = particles->position, .components = 3, .vector = true},
-        {.name = "velocity", .attr = particles->velocity, .components = 3, .vector = true},
-        {.name = "density", .attr = particles->density, .components = 1},
-        {.name = "radius", .attr = particles->radius, .components = 1},
-        {.name = "id", .attr = particles->id, .components = 1},
-        {.name = "mass", .attr = particles->mass, .components = 1},
-        {.name = "color", .attr = particles->color, .components = 3, .vector = true},
-    };
-    size_t count = 0;
-    fill_crc_table(writer->crc_table);
-    for (size_t i = 0; i < MEMBER_MAX; i++) {
-        if (!members[i].attr.data && i > 0) {
-            continue;
-        }
-        members[count] = members[i];
-        if (!write_member(writer, &members[count++])) {
-            return false;
+    for (size_t i = 0; i < table->column_count; i++) {
+        if (strcmp(table->columns[i].name, name) == 0) {
+            return true;
         }
     }
-    uint64_t directory = mns_atomic_size(writer->file);
-    for (size_t i = 0; i < count; i++) {
-        if (!write_entry(writer, &members[i])) {
-            return false;
-        }
-    }
-    return write_end(writer, count, directory);
+    return false;
 }
 
-/* ---- entry ---- */
-
-static bool ends_in(const char *path, const char *extension)
+/* A copy of the name that no column has yet, and that is no path and one line. NULL: out of memory. */
+static char *make_name(const struct particle_table *table, const char *name)
 {
-    size_t length = strlen(path), n = strlen(extension);
-    return length > n && strcmp(path + length - n, extension) == 0;
+    enum { NUMBER = 24 };
+    size_t length = strlen(name);
+    char *out = malloc(length + NUMBER);
+    if (!out) {
+        return NULL;
+    }
+    for (size_t i = 0; i <= length; i++) {
+        bool bad = name[i] && ((unsigned char)name[i] < ' ' || name[i] == 127 || name[i] == '/' || name[i] == '\\');
+        out[i] = bad ? '_' : name[i];
+    }
+    if (length == 0) {
+        memcpy(out, "unnamed", sizeof("unnamed"));
+        length = strlen(out);
+    }
+    for (size_t number = 2; name_is_taken(table, out); number++) {
+        snprintf(out + length, NUMBER, "_%zu", number);
+    }
+    return out;
 }
+
+static bool add_column(struct particle_table *table, const char *name, enum mns_role role, struct mns_attr attr, int components)
+{
+    struct particle_column *column = &table->columns[table->column_count];
+    *column = (struct particle_column){.type = attr.type, .components = components, .data = attr.data, .role = role};
+    column->name = make_name(table, name);
+    column->stride = attr.stride ? attr.stride : mns_column_bytes(column);
+    column->vector = components > 1;
+    table->column_count += column->name != NULL;
+    return column->name != NULL;
+}
+
+static void free_table(struct particle_table *table)
+{
+    for (size_t i = 0; i < table->column_count; i++) {
+        free(table->columns[i].name);
+    }
+    free(table->columns);
+}
+
+static mns_result write_table(struct particle_table *table, const struct mns_particle_writer *writer)
+{
+    mns_result result = mns_atomic_begin(&table->file, table->path, table->message);
+    if (result != MNS_OK) {
+        return result;
+    }
+    result = writer->write(table);
+    if (result != MNS_OK) {
+        mns_atomic_abort(table->file);
+        return result;
+    }
+    return mns_atomic_commit(table->file, table->message); /* tells what went wrong in writing */
+}
+
+/* ---- particles of the caller ---- */
 
 static mns_result check(const char *path, const struct mns_particles *particles, struct mns_message *message)
 {
     const struct mns_attr *const attributes[] = {&particles->position, &particles->radius,  &particles->mass, &particles->color,
                                                  &particles->velocity, &particles->density, &particles->id};
-    if (!ends_in(path, ".npy") && !ends_in(path, ".npz")) {
-        return mns_fail(message, MNS_ERR_UNSUPPORTED, "%s: particles are written as .npy or .npz", path);
-    }
     if (particles->count > 0 && !particles->position.data) {
         return mns_fail(message, MNS_ERR_INVALID_ARGUMENT, "%s: the particles have no positions", path);
     }
@@ -266,6 +179,29 @@ static mns_result check(const char *path, const struct mns_particles *particles,
     return MNS_OK;
 }
 
+static bool add_roles(struct particle_table *table, const struct mns_particles *particles)
+{
+    const struct {
+        enum mns_role role;
+        struct mns_attr attr;
+        int components;
+    } all[] = {{MNS_ROLE_POSITION, particles->position, 3},
+               {MNS_ROLE_VELOCITY, particles->velocity, 3},
+               {MNS_ROLE_DENSITY, particles->density, 1},
+               {MNS_ROLE_RADIUS, particles->radius, 1},
+               {MNS_ROLE_ID, particles->id, 1},
+               {MNS_ROLE_MASS, particles->mass, 1},
+               {MNS_ROLE_COLOR, particles->color, 3}};
+    table->columns = calloc(sizeof(all) / sizeof(all[0]), sizeof(*table->columns));
+    bool good = table->columns != NULL;
+    for (size_t i = 0; good && i < sizeof(all) / sizeof(all[0]); i++) {
+        if (i == 0 || all[i].attr.data) {
+            good = add_column(table, mns_role_name(all[i].role), all[i].role, all[i].attr, all[i].components);
+        }
+    }
+    return good;
+}
+
 mns_result mns_particles_write(const char *path, const struct mns_particles *particles, struct mns_message *message)
 {
     if (!path || !particles) {
@@ -274,24 +210,58 @@ mns_result mns_particles_write(const char *path, const struct mns_particles *par
     struct mns_particles known;
     mns_particles_init(&known);
     memcpy(&known, particles, particles->struct_size < sizeof(known) ? particles->struct_size : sizeof(known));
-    struct writer writer = {.particles = &known};
-    mns_result result = check(path, &known, message);
+    const struct mns_particle_writer *writer = NULL;
+    mns_result result = find(path, &writer, message);
+    result = result == MNS_OK ? check(path, &known, message) : result;
     if (result != MNS_OK) {
         return result;
     }
-    writer.buffer = malloc(BUFFER);
-    if (!writer.buffer) {
-        return mns_fail(message, MNS_ERR_OUT_OF_MEMORY, "%s: out of memory", path);
+    struct particle_table table = {.path = path, .count = known.count, .message = message};
+    result = add_roles(&table, &known) ? write_table(&table, writer) : mns_table_out_of_memory(&table);
+    free_table(&table);
+    return result;
+}
+
+/* ---- a set as it was read ---- */
+
+static bool add_attribute(struct particle_table *table, const struct mns_attribute *attribute, const char *name)
+{
+    struct mns_attr attr = {.data = attribute->data, .type = attribute->type};
+    return add_column(table, name, attribute->role, attr, attribute->components);
+}
+
+/* The positions first, then what the file had; what was put together from other attributes is left out. */
+static bool add_attributes(struct particle_table *table, const mns_particle_set *set)
+{
+    const struct mns_attribute *position = NULL;
+    for (size_t i = 0; i < set->listed_count; i++) {
+        position = set->attributes[i].is.role == MNS_ROLE_POSITION ? &set->attributes[i].is : position;
     }
-    result = mns_atomic_begin(&writer.file, path, message);
-    if (result == MNS_OK) {
-        if (ends_in(path, ".npz")) {
-            write_npz(&writer); /* what fails is told by the commit */
-        } else {
-            write_npy(&writer, &(struct member){.attr = known.position, .components = 3, .vector = true});
+    const struct mns_attribute none = {.type = MNS_F32, .components = 3, .role = MNS_ROLE_POSITION};
+    table->columns = calloc(set->listed_count + 1, sizeof(*table->columns));
+    bool good = table->columns && add_attribute(table, position ? position : &none, "position");
+    for (size_t i = 0; good && i < set->listed_count; i++) {
+        const struct attribute *attribute = &set->attributes[i];
+        if (&attribute->is != position && !attribute->joined) {
+            good = add_attribute(table, &attribute->is, attribute->is.name);
         }
-        result = mns_atomic_commit(writer.file, message);
     }
-    free(writer.buffer);
+    return good;
+}
+
+mns_result mns_particle_set_write(const char *path, const mns_particle_set *set, const struct mns_log *log, struct mns_message *message)
+{
+    if (!path || !set) {
+        return mns_fail(message, MNS_ERR_INVALID_ARGUMENT, "mns_particle_set_write: path or set is NULL");
+    }
+    const struct mns_particle_writer *writer = NULL;
+    mns_result result = find(path, &writer, message);
+    if (result != MNS_OK) {
+        return result;
+    }
+    struct particle_table table = {.path = path, .count = set->count, .message = message};
+    table.log = log ? *log : table.log;
+    result = add_attributes(&table, set) ? write_table(&table, writer) : mns_table_out_of_memory(&table);
+    free_table(&table);
     return result;
 }

@@ -24,7 +24,7 @@ awk '/radius/ { exit !($2 > 0.0119 && $2 < 0.0131) }' .out || complain "the radi
 ok sample --help
 prints '^  crown '
 refuses 2 'there are crown, drop' sample castle --particles 10 -o a.npz
-refuses 2 'written as .npz or .npy' sample crown --particles 10 -o a.vtk
+refuses 2 'written as .npz, .npy' sample crown --particles 10 -o a.vtk
 refuses 1 'missing/a.npz: cannot be written: No such file' sample crown --particles 10 -o missing/a.npz
 mkdir folder.npz
 refuses 1 'is a folder' sample crown --particles 10 -o folder.npz

@@ -5,10 +5,11 @@
 ok --version
 prints '^meniscus [0-9]*\.[0-9]*\.[0-9]*$'
 prints '^reads: .*npy'
-prints '^writes: .*npy'
+prints '^writes images: .*npy'
+prints '^writes particles: .*npz'
 prints '^instruction sets: scalar'
 ok --help
-for command in render info bench sample lab; do
+for command in render info convert bench sample lab; do
     prints "meniscus $command"
     "$program" $command --help >help.txt 2>.err || complain "$command --help: status $?"
     holds "^usage: meniscus $command" help.txt

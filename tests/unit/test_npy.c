@@ -159,7 +159,7 @@ static void writing_fails_cleanly(void **state)
     particles.count = 1;
     assert_int_equal(mns_particles_write("a.npy", &particles, &message), MNS_ERR_INVALID_ARGUMENT);
     particles.position = (struct mns_attr){point, 0, MNS_F32};
-    assert_int_equal(mns_particles_write("a.bgeo", &particles, &message), MNS_ERR_UNSUPPORTED);
+    assert_int_equal(mns_particles_write("a.vtk", &particles, &message), MNS_ERR_UNSUPPORTED);
     assert_int_equal(mns_particles_write("no/such/folder/a.npz", &particles, &message), MNS_ERR_IO);
     assert_non_null(strstr(message.text, "no/such/folder/a.npz: cannot be written"));
     FILE *full = fopen("/dev/full", "r");
