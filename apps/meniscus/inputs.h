@@ -32,6 +32,9 @@ bool pattern_is(const char *name);
 /* The name of one frame; the caller frees it. NULL: out of memory. A name that is no pattern comes back as it is. */
 char *pattern_name(const char *pattern, long long number);
 
+/* Whether the name ends in the extension, ".png", in capitals or not. */
+bool name_has_extension(const char *name, const char *extension);
+
 /* Orders "a_2" before "a_10". */
 int natural_compare(const char *a, const char *b);
 

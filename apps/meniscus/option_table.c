@@ -2,70 +2,14 @@
 #include "option_table.h"
 
 #include "lab/run.h"
+#include "option_sequence.h"
+#include "option_values.h"
 
 #include <errno.h>
 #include <math.h>
-#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
-
-/* ---- values ---- */
-
-static bool refuse(struct mns_message *message, const char *format, ...)
-#ifdef __GNUC__
-    __attribute__((format(printf, 2, 3)))
-#endif
-    ;
-
-static bool refuse(struct mns_message *message, const char *format, ...)
-{
-    va_list arguments;
-    va_start(arguments, format);
-    vsnprintf(message->text, sizeof(message->text), format, arguments);
-    va_end(arguments);
-    return false;
-}
-
-/* Adds a name to a list with commas between; what finds no room is cut. */
-static void append_name(char *list, size_t size, const char *name)
-{
-    size_t used = strlen(list);
-    snprintf(list + used, size - used, "%s%s", used ? ", " : "", name);
-}
-
-/* Finite numbers with commas between, as many as asked for. */
-static bool parse_numbers(const char *text, int count, double *out)
-{
-    for (int i = 0; i < count; i++) {
-        char *end;
-        out[i] = strtod(text, &end);
-        if (end == text || !isfinite(out[i]) || *end != (i + 1 < count ? ',' : '\0')) {
-            return false;
-        }
-        text = end + 1;
-    }
-    return true;
-}
-
-/* A whole number in the range at the start of the text. *end: behind it. */
-static bool parse_whole(const char *text, long long low, long long high, long long *out, const char **end)
-{
-    char *stop;
-    errno = 0;
-    if (*text != '-' && (*text < '0' || *text > '9')) { /* strtoll takes blanks and a plus */
-        return false;
-    }
-    *out = strtoll(text, &stop, 10);
-    *end = stop;
-    return stop != text && errno == 0 && *out >= low && *out <= high;
-}
-
-static bool parse_count(const char *text, long long low, long long high, long long *out)
-{
-    const char *end;
-    return parse_whole(text, low, high, out, &end) && !*end;
-}
 
 /* Notes a parameter for later, when the looks have been read, and checks it now. */
 static bool add_setting(struct options *options, const char *name, const char *value, struct mns_message *message)
@@ -91,13 +35,14 @@ static bool set_help(struct options *options, const char *value, struct mns_mess
 static bool set_output(struct options *options, const char *value, struct mns_message *message)
 {
     options->output = value;
-    return *value || refuse(message, "the name is empty");
+    return *value || option_refuse(message, "the name is empty");
 }
 
 static bool set_output_format(struct options *options, const char *value, struct mns_message *message)
 {
     options->output_format = value;
-    return !strcmp(value, "png") || !strcmp(value, "rgba") || refuse(message, "'%s' is none of png and rgba", value);
+    return !strcmp(value, "png") || !strcmp(value, "rgba") || !strcmp(value, "y4m") ||
+           option_refuse(message, "'%s' is none of png, rgba and y4m", value);
 }
 
 static bool set_format(struct options *options, const char *value, struct mns_message *message)
@@ -108,17 +53,17 @@ static bool set_format(struct options *options, const char *value, struct mns_me
         if (!strcmp(mns_read_format(i), value)) {
             return true;
         }
-        append_name(list, sizeof(list), mns_read_format(i));
+        option_append_name(list, sizeof(list), mns_read_format(i));
     }
-    return refuse(message, "this build does not read '%s'; it reads %s", value, list);
+    return option_refuse(message, "this build does not read '%s'; it reads %s", value, list);
 }
 
 static bool set_size(struct options *options, const char *value, struct mns_message *message)
 {
     long long width, height;
     const char *end;
-    if (!parse_whole(value, 1, 32768, &width, &end) || *end != 'x' || !parse_count(end + 1, 1, 32768, &height)) {
-        return refuse(message, "'%s' is no size; it must be WxH, each 1 to 32768 pixels, such as 1920x1080", value);
+    if (!option_whole(value, 1, 32768, &width, &end) || *end != 'x' || !option_count(end + 1, 1, 32768, &height)) {
+        return option_refuse(message, "'%s' is no size; it must be WxH, each 1 to 32768 pixels, such as 1920x1080", value);
     }
     options->width = (int)width;
     options->height = (int)height;
@@ -128,7 +73,7 @@ static bool set_size(struct options *options, const char *value, struct mns_mess
 static bool set_point(const char *value, double out[3], bool *has, struct mns_message *message)
 {
     *has = true;
-    return parse_numbers(value, 3, out) || refuse(message, "'%s' is no point; it must be three numbers X,Y,Z", value);
+    return option_numbers(value, 3, out) || option_refuse(message, "'%s' is no point; it must be three numbers X,Y,Z", value);
 }
 
 static bool set_eye(struct options *options, const char *value, struct mns_message *message)
@@ -145,32 +90,32 @@ static bool set_up(struct options *options, const char *value, struct mns_messag
 {
     const double *up = options->camera.up;
     return set_point(value, options->camera.up, &options->camera.has_up, message) &&
-           (up[0] != 0 || up[1] != 0 || up[2] != 0 || refuse(message, "'%s' points nowhere", value));
+           (up[0] != 0 || up[1] != 0 || up[2] != 0 || option_refuse(message, "'%s' points nowhere", value));
 }
 
 static bool set_fov(struct options *options, const char *value, struct mns_message *message)
 {
     options->camera.has_fov = true;
-    return (parse_numbers(value, 1, &options->camera.fov) && options->camera.fov >= 0.01 && options->camera.fov <= 179) ||
-           refuse(message, "'%s' must be a number of degrees from 0.01 to 179", value);
+    return (option_numbers(value, 1, &options->camera.fov) && options->camera.fov >= 0.01 && options->camera.fov <= 179) ||
+           option_refuse(message, "'%s' must be a number of degrees from 0.01 to 179", value);
 }
 
 static bool set_orthographic(struct options *options, const char *value, struct mns_message *message)
 {
     double *height = &options->camera.orthographic; /* the range of other lengths: see params.c */
-    return (parse_numbers(value, 1, height) && *height >= 1e-12 && *height <= 1e15) ||
-           refuse(message, "'%s' must be the height of the view, 1e-12 to 1e15 metres", value);
+    return (option_numbers(value, 1, height) && *height >= 1e-12 && *height <= 1e15) ||
+           option_refuse(message, "'%s' must be the height of the view, 1e-12 to 1e15 metres", value);
 }
 
 static bool set_orbit(struct options *options, const char *value, struct mns_message *message)
 {
-    return parse_numbers(value, 1, &options->camera.orbit) || refuse(message, "'%s' must be a number of degrees per frame", value);
+    return option_numbers(value, 1, &options->camera.orbit) || option_refuse(message, "'%s' must be a number of degrees per frame", value);
 }
 
 static bool set_camera(struct options *options, const char *value, struct mns_message *message)
 {
     options->camera_file = value;
-    return *value || refuse(message, "the name is empty");
+    return *value || option_refuse(message, "the name is empty");
 }
 
 static bool set_attribute(struct options *options, const char *value, struct mns_message *message)
@@ -184,9 +129,9 @@ static bool set_attribute(struct options *options, const char *value, struct mns
             options->roles[options->role_count++] = value;
             return true;
         }
-        append_name(list, sizeof(list), name);
+        option_append_name(list, sizeof(list), name);
     }
-    return refuse(message, "'%s' must be ROLE=NAME, with a role of %s", value, list);
+    return option_refuse(message, "'%s' must be ROLE=NAME, with a role of %s", value, list);
 }
 
 static bool set_where(struct options *options, const char *value, struct mns_message *message)
@@ -201,7 +146,7 @@ static bool set_sun(struct options *options, const char *value, struct mns_messa
     const char *comma = strchr(value, ',');
     char *azimuth = options->sun;
     if (!comma || (size_t)(comma - value) >= sizeof(options->sun)) {
-        return refuse(message, "'%s' must be two numbers AZ,EL in degrees", value);
+        return option_refuse(message, "'%s' must be two numbers AZ,EL in degrees", value);
     }
     memcpy(azimuth, value, (size_t)(comma - value));
     azimuth[comma - value] = '\0';
@@ -214,7 +159,7 @@ static bool set_background(struct options *options, const char *value, struct mn
         return add_setting(options, "background", value, message);
     }
     if (!add_setting(options, "background_color", value, message)) {
-        return refuse(message, "'%s' must be sky, transparent or a colour RRGGBB", value);
+        return option_refuse(message, "'%s' must be sky, transparent or a colour RRGGBB", value);
     }
     return add_setting(options, "background", "color", message);
 }
@@ -224,7 +169,7 @@ static bool set_parameter(struct options *options, const char *value, struct mns
     const char *equals = strchr(value, '=');
     char name[64];
     if (!equals || (size_t)(equals - value) >= sizeof(name)) {
-        return refuse(message, "'%s' must be NAME=VALUE", value);
+        return option_refuse(message, "'%s' must be NAME=VALUE", value);
     }
     memcpy(name, value, (size_t)(equals - value));
     name[equals - value] = '\0';
@@ -238,13 +183,13 @@ static bool set_parameter(struct options *options, const char *value, struct mns
 static bool set_look(struct options *options, const char *value, struct mns_message *message)
 {
     options->looks[options->look_count++] = value;
-    return *value || refuse(message, "the name is empty");
+    return *value || option_refuse(message, "the name is empty");
 }
 
 static bool set_save_look(struct options *options, const char *value, struct mns_message *message)
 {
     options->save_look = value;
-    return *value || refuse(message, "the name is empty");
+    return *value || option_refuse(message, "the name is empty");
 }
 
 static bool set_layer(struct options *options, const char *value, struct mns_message *message)
@@ -253,85 +198,42 @@ static bool set_layer(struct options *options, const char *value, struct mns_mes
     char name[64];
     enum mns_layer layer;
     if (!equals || !equals[1] || (size_t)(equals - value) >= sizeof(name)) {
-        return refuse(message, "'%s' must be NAME=FILE", value);
+        return option_refuse(message, "'%s' must be NAME=FILE", value);
     }
     memcpy(name, value, (size_t)(equals - value));
     name[equals - value] = '\0';
     if (mns_layer_find(name, &layer) != MNS_OK) {
         char list[256] = "";
         for (int i = 0; i < MNS_LAYER_COUNT; i++) {
-            append_name(list, sizeof(list), mns_layer_name((enum mns_layer)i));
+            option_append_name(list, sizeof(list), mns_layer_name((enum mns_layer)i));
         }
-        return refuse(message, "there is no layer '%s'; there are %s", name, list);
+        return option_refuse(message, "there is no layer '%s'; there are %s", name, list);
     }
     size_t length = strlen(equals + 1);
     if (length < 5 || strcasecmp(equals + 1 + length - 4, ".npy") != 0) {
-        return refuse(message, "'%s': layers are written as .npy", equals + 1);
+        return option_refuse(message, "'%s': layers are written as .npy", equals + 1);
     }
     for (size_t i = 0; i < options->layer_count; i++) {
         if (options->layers[i].layer == layer) {
-            return refuse(message, "layer %s is asked for twice", name);
+            return option_refuse(message, "layer %s is asked for twice", name);
         }
     }
     options->layers[options->layer_count++] = (struct layer_file){.layer = layer, .path = equals + 1};
     return true;
 }
 
-/* A:B:STEP, any part may be left out. A alone is that one frame. */
-static bool set_frames(struct options *options, const char *value, struct mns_message *message)
-{
-    static const long long most = 1LL << 53;
-    const char *at = value;
-    options->has_first = options->has_last = false;
-    options->step = 1;
-    bool good = true;
-    if (*at && *at != ':') {
-        good = parse_whole(at, -most, most, &options->first, &at);
-        options->has_first = true;
-    }
-    if (good && !*at && options->has_first) {
-        options->last = options->first;
-        return options->has_last = true;
-    }
-    good = good && *at++ == ':';
-    if (good && *at && *at != ':') {
-        good = parse_whole(at, -most, most, &options->last, &at);
-        options->has_last = true;
-    }
-    if (good && *at == ':') {
-        good = !at[1] || parse_count(at + 1, 1, most, &options->step);
-    } else {
-        good = good && !*at;
-    }
-    return good || refuse(message, "'%s' must be A:B:STEP in frame numbers, such as 10:20, 10:, :20 or ::2", value);
-}
-
-static bool set_resume(struct options *options, const char *value, struct mns_message *message)
-{
-    (void)value;
-    (void)message;
-    return options->resume = true;
-}
-
-static bool set_keep_going(struct options *options, const char *value, struct mns_message *message)
-{
-    (void)value;
-    (void)message;
-    return options->keep_going = true;
-}
-
 static bool set_backend(struct options *options, const char *value, struct mns_message *message)
 {
     options->backend = !strcmp(value, "cpu") ? MNS_BACKEND_CPU : MNS_BACKEND_AUTO;
     return options->backend == MNS_BACKEND_CPU || !strcmp(value, "auto") ||
-           refuse(message, "'%s' is none of this build's backends: auto, cpu", value);
+           option_refuse(message, "'%s' is none of this build's backends: auto, cpu", value);
 }
 
 static bool set_threads(struct options *options, const char *value, struct mns_message *message)
 {
     long long threads;
-    if (!parse_count(value, 1, 1024, &threads)) {
-        return refuse(message, "'%s' must be a whole number from 1 to 1024", value);
+    if (!option_count(value, 1, 1024, &threads)) {
+        return option_refuse(message, "'%s' must be a whole number from 1 to 1024", value);
     }
     options->threads = (int)threads;
     return true;
@@ -342,16 +244,16 @@ static bool set_isa(struct options *options, const char *value, struct mns_messa
     for (int i = MNS_ISA_SCALAR; mns_isa_name((enum mns_isa)i); i++) {
         if (!strcmp(mns_isa_name((enum mns_isa)i), value)) {
             options->isa = (enum mns_isa)i;
-            return mns_isa_available(options->isa) || refuse(message, "%s is not in this build or not on this machine", value);
+            return mns_isa_available(options->isa) || option_refuse(message, "%s is not in this build or not on this machine", value);
         }
     }
-    return refuse(message, "'%s' is none of scalar, sse2, avx2, avx512 and neon", value);
+    return option_refuse(message, "'%s' is none of scalar, sse2, avx2, avx512 and neon", value);
 }
 
 static bool set_stats(struct options *options, const char *value, struct mns_message *message)
 {
     options->stats = value;
-    return *value || refuse(message, "the name is empty");
+    return *value || option_refuse(message, "the name is empty");
 }
 
 static bool set_json(struct options *options, const char *value, struct mns_message *message)
@@ -377,12 +279,14 @@ static bool set_verbose(struct options *options, const char *value, struct mns_m
 
 static bool set_repeat(struct options *options, const char *value, struct mns_message *message)
 {
-    return parse_count(value, 1, 1000000, &options->repeat) || refuse(message, "'%s' must be a whole number from 1 to 1000000", value);
+    return option_count(value, 1, 1000000, &options->repeat) ||
+           option_refuse(message, "'%s' must be a whole number from 1 to 1000000", value);
 }
 
 static bool set_warmup(struct options *options, const char *value, struct mns_message *message)
 {
-    return parse_count(value, 0, 1000000, &options->warmup) || refuse(message, "'%s' must be a whole number from 0 to 1000000", value);
+    return option_count(value, 0, 1000000, &options->warmup) ||
+           option_refuse(message, "'%s' must be a whole number from 0 to 1000000", value);
 }
 
 /* 1000, 100k, 10M. */
@@ -390,11 +294,11 @@ static bool set_particles(struct options *options, const char *value, struct mns
 {
     static const long long most = 4294967231LL; /* 2^32 - 65, as in meniscus/particles.h */
     const char *end;
-    bool good = parse_whole(value, 1, most, &options->particles, &end);
+    bool good = option_whole(value, 1, most, &options->particles, &end);
     long long unit = good && *end == 'k' ? 1000 : good && *end == 'M' ? 1000000 : 1;
     good = good && !end[unit > 1] && options->particles <= most / unit;
     options->particles *= unit;
-    return good || refuse(message, "'%s' must be a whole number from 1 to %lld, such as 1000, 100k or 10M", value, most);
+    return good || option_refuse(message, "'%s' must be a whole number from 1 to %lld, such as 1000, 100k or 10M", value, most);
 }
 
 /* "a,b,c" into bits by number. */
@@ -408,9 +312,9 @@ static bool set_names(const char *value, int (*find)(const char *name), const ch
         int number = find(name);
         if (number < 0) {
             for (int i = 0; i < count; i++) {
-                append_name(list, sizeof(list), name_of(i));
+                option_append_name(list, sizeof(list), name_of(i));
             }
-            return refuse(message, "'%s' is none of %s", name, list);
+            return option_refuse(message, "'%s' is none of %s", name, list);
         }
         *out |= 1UL << number;
         at += length;
@@ -432,20 +336,20 @@ static bool set_lab_scenes(struct options *options, const char *value, struct mn
 
 static bool set_equal_time(struct options *options, const char *value, struct mns_message *message)
 {
-    return (parse_numbers(value, 1, &options->equal_time) && options->equal_time > 0) ||
-           refuse(message, "'%s' must be a number of milliseconds above 0", value);
+    return (option_numbers(value, 1, &options->equal_time) && options->equal_time > 0) ||
+           option_refuse(message, "'%s' must be a number of milliseconds above 0", value);
 }
 
 static bool set_pictures(struct options *options, const char *value, struct mns_message *message)
 {
     options->pictures = value;
-    return *value || refuse(message, "the name is empty");
+    return *value || option_refuse(message, "the name is empty");
 }
 
 static bool set_plot(struct options *options, const char *value, struct mns_message *message)
 {
     options->plot = value;
-    return *value || refuse(message, "the name is empty");
+    return *value || option_refuse(message, "the name is empty");
 }
 
 static bool set_csv(struct options *options, const char *value, struct mns_message *message)
@@ -466,12 +370,13 @@ enum {
 
 const struct option_row option_table[] = {
     {"--output", 'o', "OUTPUT", COMMAND_RENDER, NULL, set_output,
-     "the picture: .png or .npy; for several frames a pattern such as out_%04d.png, numbered as the inputs are; - for standard output"},
+     "a picture (.png, .npy), for several frames a pattern such as out_%04d.png, numbered as the inputs are; a video (.mp4, .mkv, .webm, "
+     ".y4m); - for standard output"},
     {"--output", 'o', "FILE", COMMAND_SAMPLE, NULL, set_output,
      "the particles: .npz, .ply, .vtp or .bgeo (all attributes), .npy (positions)"},
     {"--output", 'o', "OUTPUT", COMMAND_CONVERT, NULL, set_output,
      "the particles: .npz, .ply, .vtp or .bgeo (all attributes), .npy (positions); for several files a pattern such as out_%04d.npz"},
-    {"--output-format", 0, "FORMAT", COMMAND_RENDER, NULL, set_output_format, "of standard output: png or rgba (bytes, row by row)"},
+    {"--output-format", 0, "FORMAT", COMMAND_RENDER, NULL, set_output_format, "of standard output: png, rgba (bytes, row by row) or y4m"},
     {"--output", 'o', "FILE", COMMAND_LAB, NULL, set_output, "the table (standard output)"},
     {"--particles", 0, "N", COMMAND_SAMPLE, NULL, set_particles, "how many particles: 1000, 100k, 10M"},
 
@@ -511,10 +416,14 @@ const struct option_row option_table[] = {
     {"--look", 0, "FILE.json", SMOOTHS, NULL, set_look, "parameters from a file; options go before it; repeatable"},
     {"--save-look", 0, "FILE.json", DRAWS, NULL, set_save_look, "save the parameters that differ from the defaults"},
 
-    {"--frames", 0, "A:B:STEP", COMMAND_RENDER | COMMAND_CONVERT, NULL, set_frames,
+    {"--frames", 0, "A:B:STEP", COMMAND_RENDER | COMMAND_CONVERT, NULL, option_set_frames,
      "which frames, by the numbers in the file names, inclusive"},
-    {"--resume", 0, NULL, COMMAND_RENDER, NULL, set_resume, "skip pictures that are there"},
-    {"--keep-going", 0, NULL, COMMAND_RENDER | COMMAND_CONVERT, NULL, set_keep_going, "skip and count frames that cannot be read"},
+    {"--resume", 0, NULL, COMMAND_RENDER, NULL, option_set_resume, "skip pictures that are there and whole"},
+    {"--keep-going", 0, NULL, COMMAND_RENDER | COMMAND_CONVERT, NULL, option_set_keep_going, "skip and count frames that cannot be read"},
+    {"--fps", 0, "N", COMMAND_RENDER, NULL, option_set_fps, "pictures per second of a video: 25, 23.976, 30000/1001 (30)"},
+    {"--codec", 0, "NAME", COMMAND_RENDER, NULL, option_set_codec, "of a video: h264, vp9 or av1 (auto: vp9 in .webm, else h264)"},
+    {"--crf", 0, "Q", COMMAND_RENDER, NULL, option_set_crf,
+     "quality of a video, 0 the best; smaller files above (h264 18, vp9 and av1 28)"},
 
     {"--backend", 0, "NAME", DRAWS, NULL, set_backend, "auto or cpu"},
     {"--threads", 0, "N", SMOOTHS, NULL, set_threads, "threads (all the processors this process may use)"},

@@ -118,7 +118,15 @@ static int apply_parameters(struct options *options)
 int options_parse(struct options *options, enum command command, int count, char **arguments)
 {
     size_t room = (size_t)count + 1;
-    *options = (struct options){.command = command, .width = 1920, .height = 1080, .camera.fov = 45, .step = 1, .repeat = 20, .warmup = 3};
+    *options = (struct options){.command = command,
+                                .width = 1920,
+                                .height = 1080,
+                                .camera.fov = 45,
+                                .step = 1,
+                                .crf = -1,
+                                .fps = {30, 1},
+                                .repeat = 20,
+                                .warmup = 3};
     if (command == COMMAND_LAB) { /* many small pictures */
         options->width = 640;
         options->height = 480;

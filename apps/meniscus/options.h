@@ -30,6 +30,8 @@ struct camera_options {
     double orbit;                    /* degrees per frame about the up axis */
 };
 
+enum codec { CODEC_AUTO, CODEC_H264, CODEC_VP9, CODEC_AV1 };
+
 /* A camera at a frame's number; between keys it moves smoothly. */
 struct camera_key {
     double frame;
@@ -69,6 +71,10 @@ struct options {
     bool has_first, has_last;
     long long first, last, step; /* frame numbers, inclusive */
     bool resume, keep_going;
+
+    enum codec codec; /* auto: by the container */
+    double crf;       /* of the encoder; below 0: its default */
+    int fps[2];       /* numerator and denominator */
 
     enum mns_backend backend;
     enum mns_isa isa;

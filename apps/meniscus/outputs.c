@@ -2,22 +2,18 @@
 #include "outputs.h"
 
 #include "program.h"
+#include "whole.h"
 
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 #include <sys/stat.h>
-
-static bool has_extension(const char *path, const char *extension)
-{
-    const char *dot = strrchr(path, '.');
-    return dot && !strchr(dot, '/') && !strcasecmp(dot + 1, extension);
-}
 
 static int check_extension(const char *path)
 {
     for (size_t i = 0; mns_image_write_format(i); i++) {
-        if (has_extension(path, mns_image_write_format(i))) {
+        char extension[16];
+        snprintf(extension, sizeof(extension), ".%s", mns_image_write_format(i));
+        if (name_has_extension(path, extension)) {
             return STATUS_DONE;
         }
     }
@@ -26,7 +22,7 @@ static int check_extension(const char *path)
         size_t used = strlen(list);
         snprintf(list + used, sizeof(list) - used, "%s.%s", used ? " and " : "", mns_image_write_format(i));
     }
-    return program_usage("%s: this build writes %s", path, list);
+    return program_usage("%s: this build writes %s pictures, and .mp4, .mkv, .webm and .y4m videos", path, list);
 }
 
 static int check_name(const char *path, size_t pictures)
@@ -77,10 +73,10 @@ int outputs_check_place(const char *pattern, const struct inputs *inputs, size_t
 static void add(struct outputs *outputs, const struct options *options, enum mns_layer layer, enum output_kind kind, const char *pattern)
 {
     struct mns_image image = {.width = options->width, .height = options->height, .channels = mns_layer_channels(layer)};
-    bool float_image = kind == OUTPUT_FILE && has_extension(pattern, "npy");
+    bool float_image = kind == OUTPUT_FILE && name_has_extension(pattern, ".npy");
     bool opaque = options->params.background != MNS_BACKGROUND_TRANSPARENT;
     image.pixel = float_image ? MNS_PIXEL_F32 : MNS_PIXEL_U8;
-    if (layer == MNS_LAYER_BEAUTY && !float_image && kind != OUTPUT_STREAM_RGBA && opaque) {
+    if (layer == MNS_LAYER_BEAUTY && !float_image && (opaque || kind == OUTPUT_VIDEO) && kind != OUTPUT_STREAM_RGBA) {
         image.channels = 3;
     }
     outputs->list[outputs->count++] = (struct output){.kind = kind, .pattern = pattern, .layer = layer, .shape = image};
@@ -97,8 +93,10 @@ static int plan_stream(struct outputs *outputs, const struct options *options)
     if (program_output_is_terminal()) {
         return program_usage("-: a picture is not written to a terminal; redirect standard output");
     }
-    add(outputs, options, MNS_LAYER_BEAUTY, !strcmp(format, "rgba") ? OUTPUT_STREAM_RGBA : OUTPUT_STREAM_PNG, "-");
-    return STATUS_DONE;
+    enum output_kind kind = !strcmp(format, "y4m") ? OUTPUT_VIDEO : !strcmp(format, "rgba") ? OUTPUT_STREAM_RGBA : OUTPUT_STREAM_PNG;
+    int status = kind == OUTPUT_VIDEO ? video_check("-", options, &outputs->encoder) : STATUS_DONE;
+    add(outputs, options, MNS_LAYER_BEAUTY, kind, "-");
+    return status;
 }
 
 static int plan_file(struct outputs *outputs, const struct options *options, const struct inputs *inputs, size_t pictures,
@@ -119,6 +117,15 @@ static int plan_file(struct outputs *outputs, const struct options *options, con
     return status;
 }
 
+static int plan_video(struct outputs *outputs, const struct options *options, const struct inputs *inputs)
+{
+    int status = check_overwrite(options->output, inputs);
+    status = status == STATUS_DONE ? check_place(options->output, inputs) : status;
+    status = status == STATUS_DONE ? video_check(options->output, options, &outputs->encoder) : status;
+    add(outputs, options, MNS_LAYER_BEAUTY, OUTPUT_VIDEO, options->output);
+    return status;
+}
+
 int outputs_plan(struct outputs *outputs, const struct options *options, const struct inputs *inputs, size_t pictures)
 {
     *outputs = (struct outputs){.count = 0};
@@ -131,6 +138,8 @@ int outputs_plan(struct outputs *outputs, const struct options *options, const s
     }
     if (is_standard(options->output)) {
         status = plan_stream(outputs, options);
+    } else if (options->output && video_is(options->output)) {
+        status = plan_video(outputs, options, inputs);
     } else if (options->output) {
         status = plan_file(outputs, options, inputs, pictures, MNS_LAYER_BEAUTY, options->output);
     }
@@ -140,9 +149,30 @@ int outputs_plan(struct outputs *outputs, const struct options *options, const s
     return status;
 }
 
+int outputs_open(struct outputs *outputs, const struct options *options)
+{
+    struct mns_message message;
+    if (!outputs_in_order(outputs) || outputs->list[0].kind != OUTPUT_VIDEO) {
+        return STATUS_DONE;
+    }
+    outputs->video = video_open(outputs->list[0].pattern, outputs->encoder, options, &message);
+    return outputs->video ? STATUS_DONE : program_fail("%s", message.text);
+}
+
+int outputs_close(struct outputs *outputs, bool whole)
+{
+    struct mns_message message = {""};
+    bool good = !outputs->video || video_close(outputs->video, whole, &message);
+    outputs->video = NULL;
+    if (good && message.text[0]) {
+        program_say("%s", message.text);
+    }
+    return good || !message.text[0] ? STATUS_DONE : program_fail("%s", message.text);
+}
+
 bool outputs_in_order(const struct outputs *outputs)
 {
-    return outputs->count > 0 && outputs->list[0].kind != OUTPUT_FILE; /* a stream is the beauty, and so the first */
+    return outputs->count > 0 && outputs->list[0].kind != OUTPUT_FILE; /* a stream or video is the beauty, and so the first */
 }
 
 static size_t bytes_of(const struct mns_image *shape)
@@ -183,9 +213,10 @@ void outputs_free_images(const struct outputs *outputs, struct mns_output images
 bool outputs_exist(const struct outputs *outputs, long long number)
 {
     for (size_t i = 0; i < outputs->count; i++) {
-        struct stat file;
-        char *name = pattern_name(outputs->list[i].pattern, number);
-        bool exists = name && outputs->list[i].kind == OUTPUT_FILE && stat(name, &file) == 0 && S_ISREG(file.st_mode);
+        const struct output *output = &outputs->list[i];
+        char *name = pattern_name(output->pattern, number);
+        bool exists =
+            name && (output->kind == OUTPUT_FILE ? whole_picture(name, &output->shape) : output->kind == OUTPUT_VIDEO && whole_file(name));
         free(name);
         if (!exists) {
             return false;
@@ -230,8 +261,10 @@ bool outputs_write(const struct outputs *outputs, const struct mns_output images
     bool good = true;
     for (size_t i = 0; good && i < outputs->count; i++) {
         const struct output *output = &outputs->list[i];
-        good = output->kind == OUTPUT_FILE ? write_file(output, &images[i].image, number, message)
-                                           : write_stream(output, &images[i].image, message);
+        const struct mns_image *image = &images[i].image;
+        good = output->kind == OUTPUT_FILE    ? write_file(output, image, number, message)
+               : output->kind == OUTPUT_VIDEO ? video_add(outputs->video, image, message)
+                                              : write_stream(output, image, message);
     }
     return good;
 }

@@ -4,10 +4,11 @@
 
 #include "inputs.h"
 #include "options.h"
+#include "video.h"
 
 enum { OUTPUT_MAX = MNS_LAYER_COUNT + 1 };
 
-enum output_kind { OUTPUT_FILE, OUTPUT_STREAM_PNG, OUTPUT_STREAM_RGBA };
+enum output_kind { OUTPUT_FILE, OUTPUT_STREAM_PNG, OUTPUT_STREAM_RGBA, OUTPUT_VIDEO };
 
 struct output {
     enum output_kind kind;
@@ -19,10 +20,16 @@ struct output {
 struct outputs {
     struct output list[OUTPUT_MAX];
     size_t count;
+    const struct encoder *encoder; /* of the video; NULL: none, or a .y4m */
+    struct video *video;           /* once it is open */
 };
 
 /* Plans the outputs. pictures: how many will be drawn. Returns a status; on failure it was told why. */
 int outputs_plan(struct outputs *outputs, const struct options *options, const struct inputs *inputs, size_t pictures);
+
+/* Opens what takes all pictures, and ends it: whole says that none is missing. Return a status; on failure it was told why. */
+int outputs_open(struct outputs *outputs, const struct options *options);
+int outputs_close(struct outputs *outputs, bool whole);
 
 /* Whether pictures must be written one after the other, in their order. */
 bool outputs_in_order(const struct outputs *outputs);
@@ -32,7 +39,7 @@ int outputs_images(const struct outputs *outputs, struct mns_output images[OUTPU
 void outputs_free_images(const struct outputs *outputs, struct mns_output images[OUTPUT_MAX]);
 size_t outputs_bytes(const struct outputs *outputs); /* of one picture's images */
 
-bool outputs_exist(const struct outputs *outputs, long long number); /* all the files of this picture */
+bool outputs_exist(const struct outputs *outputs, long long number); /* all the files of this picture, whole */
 
 /* Writes one picture. Tells nothing, and may be called in any thread; false: message says why. */
 bool outputs_write(const struct outputs *outputs, const struct mns_output images[OUTPUT_MAX], long long number,

@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 /* The conversion at text ("%d", "%04d"): its length and width, or 0 when there is none. */
 static size_t conversion(const char *text, int *width)
@@ -54,6 +55,12 @@ char *pattern_name(const char *pattern, long long number)
         name[used] = '\0';
     }
     return name;
+}
+
+bool name_has_extension(const char *name, const char *extension)
+{
+    const char *dot = strrchr(name, '.');
+    return dot && !strchr(dot, '/') && !strcasecmp(dot, extension);
 }
 
 static bool is_digit(char c) { return c >= '0' && c <= '9'; }

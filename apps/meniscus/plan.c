@@ -32,8 +32,12 @@ int plan_make(struct plan *plan, const struct inputs *inputs, const struct optio
 void plan_resume(struct plan *plan, const struct outputs *outputs)
 {
     size_t left = 0;
+    bool all = false; /* of a video, all pictures or none */
+    for (size_t i = 0; outputs_in_order(outputs) && i < plan->count; i++) {
+        all = all || !outputs_exist(outputs, plan->shots[i].number);
+    }
     for (size_t i = 0; i < plan->count; i++) {
-        if (!outputs_exist(outputs, plan->shots[i].number)) {
+        if (all || !outputs_exist(outputs, plan->shots[i].number)) {
             plan->shots[left++] = plan->shots[i];
         }
     }

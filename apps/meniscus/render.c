@@ -157,11 +157,9 @@ static int render_frame(struct render *render, const struct source_frame *frame)
 
 /* ---- all of them ---- */
 
-static int render_frames(struct render *render)
+/* Leads all frames through. */
+static int stream(struct render *render)
 {
-    if (render->options->resume) {
-        plan_resume(&render->plan, &render->outputs);
-    }
     plan_needs(&render->plan, &render->inputs);
     progress_begin(&render->progress, render->plan.skipped + render->plan.count, render->options->quiet);
     progress_skip(&render->progress, render->plan.skipped);
@@ -180,6 +178,20 @@ static int render_frames(struct render *render)
     source_stop(render->source);
     progress_clear();
     return status == STATUS_DONE ? render->write_status : status;
+}
+
+static int render_frames(struct render *render)
+{
+    if (render->options->resume) {
+        plan_resume(&render->plan, &render->outputs);
+    }
+    if (render->plan.count == 0) {
+        return STATUS_DONE;
+    }
+    int status = outputs_open(&render->outputs, render->options);
+    status = status == STATUS_DONE ? stream(render) : status;
+    int closed = outputs_close(&render->outputs, status == STATUS_DONE && !program_signal());
+    return status == STATUS_DONE ? closed : status;
 }
 
 static int finish(struct render *render, int status)

@@ -36,7 +36,7 @@ awk '(NR == 1 || NR == 48) { for (i = 4; i <= NF; i += 4) bad += $i > 0 } { bad 
     border.txt || complain "the block is cut or small in the picture"
 
 # Outputs that cannot be.
-refuses 2 'this build writes' render in.npz -o a.mp4
+refuses 2 'this build writes' render in.npz -o a.avi
 refuses 2 'this build writes' render in.npz -o a.exr
 refuses 2 'this build writes' render in.npz -o a
 refuses 2 'needs an output' render in.npz
@@ -49,7 +49,7 @@ refuses 1 'missing/a.npy: cannot be written: No such file' render in.npz -o b.pn
 refuses 1 'missing/a.json: cannot be written: No such file' render in.npz -o b.png --stats missing/a.json $small
 mkdir folder.png
 refuses 1 'folder.png: cannot be written: it is a folder' render in.npz -o folder.png $small
-missing b.npy c.npy x.npy a.mp4 a.exr
+missing b.npy c.npy x.npy a.avi a.exr
 if [ -w /dev/full ]; then
     ln -s /dev/full full.png
     refuses 1 'No space left' render in.npz -o full.png $small
@@ -153,9 +153,9 @@ ok render frames -o out/r_%d.png $small --frames 9
 cmp -s out/r_9.png out/p_009.png || complain "frame 9 alone differs from frame 9 of all"
 refuses 2 'chooses none of the 5 frames, whose numbers are 1 to 11' render frames -o out/s_%d.png --frames 3:8
 rm out/p_009.png
-printf 'mark' >out/p_010.png
+cp a.png out/p_010.png
 ok render frames -o out/p_%03d.png $small --resume --stats stats.json
-[ "$(cat out/p_010.png)" = mark ] || complain "--resume draws what is there"
+cmp -s a.png out/p_010.png || complain "--resume draws what is there"
 exists out/p_009.png
 [ "$(grep -c '"input"' stats.json)" = 1 ] || complain "stats of a resumed sequence: $(cat stats.json)"
 for key in read_ms prepare_ms draw_ms write_ms stages splat particles_visible pixels_covered peak_bytes peak_memory_bytes; do

@@ -75,7 +75,7 @@ refuses 2 'A:B:STEP' render a.npy -o a.png --frames 99999999999999999999:
 refuses 2 'auto, cpu' render a.npy -o a.png --backend vulkan
 refuses 2 '1 to 1024' render a.npy -o a.png --threads 0
 refuses 2 'scalar, sse2' render a.npy -o a.png --isa mmx
-refuses 2 'png and rgba' render a.npy -o - --output-format y4m
+refuses 2 'png, rgba and y4m' render a.npy -o - --output-format jpg
 refuses 2 'does not read' render - --format gif -o a.png
 refuses 2 'whole number' bench a.npy --repeat 0
 refuses 2 'whole number' sample crown --particles -5 -o a.npz
