@@ -1,6 +1,7 @@
 /* help.c: help texts and docs/options.md, made from the table of options and the table of parameters. */
 #include "lab/table.h"
 #include "option_table.h"
+#include "preset.h"
 #include "program.h"
 #include "sample.h"
 
@@ -102,6 +103,18 @@ static void print_parameters(FILE *out)
     list_parameters(out, false);
 }
 
+/* In one of two notations, as the parameters. */
+static void list_presets(FILE *out, bool markdown)
+{
+    for (const struct preset *preset = presets; preset->name; preset++) {
+        fprintf(out, markdown ? "| `%s` | %s |" : "  %-24s %s", preset->name, preset->help);
+        for (size_t i = 0; markdown && i < sizeof(preset->settings) / sizeof(preset->settings[0]) && preset->settings[i].name; i++) {
+            fprintf(out, "%s`%s=%s`", i ? ", " : " ", preset->settings[i].name, preset->settings[i].value);
+        }
+        fputs(markdown ? " |\n" : "\n", out);
+    }
+}
+
 static void print_lab(FILE *out)
 {
     fprintf(out, "\nScenes:\n");
@@ -132,6 +145,8 @@ void options_help(FILE *out, enum command command)
         print_lab(out);
     }
     if (command == COMMAND_RENDER || command == COMMAND_BENCH) {
+        fprintf(out, "\nPresets:\n");
+        list_presets(out, false);
         print_parameters(out);
     }
 }
@@ -177,5 +192,8 @@ void options_markdown(FILE *out)
     for (int i = 0; i < COMMANDS; i++) {
         markdown_options(out, commands[i]);
     }
+    fprintf(out, "\n## Presets\n\nFor `--preset NAME`; look files and options change what a preset sets.\n\n| name | look | parameters "
+                 "|\n|---|---|---|\n");
+    list_presets(out, true);
     markdown_parameters(out);
 }

@@ -33,6 +33,9 @@ int look_read(const char *path, struct mns_params *params)
     const cJSON *value;
     cJSON_ArrayForEach(value, look)
     {
+        if (!strcmp(value->string, "$schema")) { /* for editors */
+            continue;
+        }
         char text[96];
         struct mns_message message;
         if (!value_text(value, text, sizeof(text))) {
@@ -48,18 +51,18 @@ int look_read(const char *path, struct mns_params *params)
     return status;
 }
 
-static void add_value(cJSON *look, const struct mns_param *row, const char *text)
+void look_add_value(cJSON *look, const char *name, const struct mns_param *row, const char *text)
 {
     if (row->type == MNS_PARAM_BOOL) {
-        cJSON_AddBoolToObject(look, row->name, !strcmp(text, "on"));
+        cJSON_AddBoolToObject(look, name, !strcmp(text, "on"));
     } else if (row->type == MNS_PARAM_ENUM || !strcmp(text, "auto")) {
-        cJSON_AddStringToObject(look, row->name, text);
+        cJSON_AddStringToObject(look, name, text);
     } else if (row->components == 3) {
         char array[104];
         snprintf(array, sizeof(array), "[%s]", text);
-        cJSON_AddRawToObject(look, row->name, array);
+        cJSON_AddRawToObject(look, name, array);
     } else {
-        cJSON_AddRawToObject(look, row->name, text);
+        cJSON_AddRawToObject(look, name, text);
     }
 }
 
@@ -74,7 +77,7 @@ int look_write(const char *path, const struct mns_params *params)
         mns_params_get(params, row->name, text, sizeof(text));
         mns_params_get(&defaults, row->name, usual, sizeof(usual));
         if (strcmp(text, usual) != 0) {
-            add_value(look, row, text);
+            look_add_value(look, row->name, row, text);
         }
     }
     return json_write(path, look);

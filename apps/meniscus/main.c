@@ -1,4 +1,5 @@
 /* main.c: `meniscus`: picks the command. */
+#include "look.h"
 #include "options.h"
 #include "program.h"
 
@@ -27,7 +28,7 @@ static void print_help(FILE *out)
     for (int i = 0; i < COMMANDS; i++) {
         fprintf(out, "  meniscus %-8s %s\n", commands[i].name, commands[i].summary);
     }
-    fputs("  meniscus COMMAND --help, --help, --version, --help-options (docs/options.md)\n\n"
+    fputs("  meniscus COMMAND --help, --help, --version, --help-options (docs/options.md), --help-look-schema (docs/look.schema.json)\n\n"
           "Try:\n  meniscus sample crown --particles 300k -o crown.npz\n  meniscus render crown.npz -o crown.png\n",
           out);
 }
@@ -87,6 +88,8 @@ int main(int count, char **arguments)
         print_version();
     } else if (!strcmp(word, "--help-options")) {
         options_markdown(stdout);
+    } else if (!strcmp(word, "--help-look-schema")) {
+        return look_write_schema("-");
     } else if (count < 2) {
         print_help(stderr);
         return STATUS_USAGE;

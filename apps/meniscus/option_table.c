@@ -4,6 +4,7 @@
 #include "lab/run.h"
 #include "option_sequence.h"
 #include "option_values.h"
+#include "preset.h"
 
 #include <errno.h>
 #include <math.h>
@@ -184,6 +185,14 @@ static bool set_look(struct options *options, const char *value, struct mns_mess
 {
     options->looks[options->look_count++] = value;
     return *value || option_refuse(message, "the name is empty");
+}
+
+static bool set_preset(struct options *options, const char *value, struct mns_message *message)
+{
+    const struct preset *preset = preset_find(value, message);
+    options->presets[options->preset_count] = preset;
+    options->preset_count += preset != NULL;
+    return preset != NULL;
 }
 
 static bool set_save_look(struct options *options, const char *value, struct mns_message *message)
@@ -413,6 +422,8 @@ const struct option_row option_table[] = {
     {"--exposure", 0, "EV", DRAWS, "exposure", NULL, "the picture's light times 2^EV"},
     {"--background", 0, "COLOR", DRAWS, NULL, set_background, "sky, transparent, or RRGGBB"},
     {"--set", 0, "NAME=VALUE", SMOOTHS, NULL, set_parameter, "any parameter of the list below; repeatable"},
+    {"--preset", 0, "NAME", SMOOTHS, NULL, set_preset,
+     "parameters that go together, listed below; looks and options go before it; repeatable"},
     {"--look", 0, "FILE.json", SMOOTHS, NULL, set_look, "parameters from a file; options go before it; repeatable"},
     {"--save-look", 0, "FILE.json", DRAWS, NULL, set_save_look, "save the parameters that differ from the defaults"},
 

@@ -2,42 +2,20 @@
 #include "options.h"
 
 #include "look.h"
+#include "names.h"
 #include "option_table.h"
+#include "preset.h"
 #include "program.h"
 
 #include <stdlib.h>
 #include <string.h>
-
-/* Edits that turn a into b (Levenshtein). */
-static size_t distance(const char *a, const char *b)
-{
-    enum { LONGEST = 63 };
-    size_t row[LONGEST + 1], length = strlen(b);
-    if (length > LONGEST) {
-        return length;
-    }
-    for (size_t j = 0; j <= length; j++) {
-        row[j] = j;
-    }
-    for (size_t i = 1; *a; i++, a++) {
-        size_t diagonal = row[0];
-        row[0] = i;
-        for (size_t j = 1; j <= length; j++) {
-            size_t above = row[j], replaced = diagonal + (*a != b[j - 1]);
-            size_t inserted = (row[j - 1] < above ? row[j - 1] : above) + 1;
-            row[j] = replaced < inserted ? replaced : inserted;
-            diagonal = above;
-        }
-    }
-    return row[length];
-}
 
 static int fail_unknown(enum command command, const char *name)
 {
     const char *nearest = NULL, *program = option_command_name(command);
     size_t best = 0;
     for (const struct option_row *row = option_table; row->name; row++) {
-        size_t edits = distance(name, row->name);
+        size_t edits = names_distance(name, row->name);
         if (!strcmp(row->name, name)) {
             return program_usage("'%s' is no option of %s; 'meniscus %s --help' lists its options", name, program, program);
         }
@@ -103,6 +81,9 @@ static int take_option(struct options *options, int *at, int count, char **argum
 static int apply_parameters(struct options *options)
 {
     struct mns_message message;
+    for (size_t i = 0; i < options->preset_count; i++) {
+        preset_apply(options->presets[i], &options->params);
+    }
     for (size_t i = 0; i < options->look_count; i++) {
         int status = look_read(options->looks[i], &options->params);
         if (status != STATUS_DONE) {
@@ -135,9 +116,10 @@ int options_parse(struct options *options, enum command command, int count, char
     mns_params_init(&options->params);
     options->inputs = calloc(room, sizeof(*options->inputs));
     options->roles = calloc(room, sizeof(*options->roles));
+    options->presets = calloc(room, sizeof(*options->presets));
     options->looks = calloc(room, sizeof(*options->looks));
     options->settings = calloc(2 * room, sizeof(*options->settings)); /* --sun and --background set two */
-    if (!options->inputs || !options->roles || !options->looks || !options->settings) {
+    if (!options->inputs || !options->roles || !options->presets || !options->looks || !options->settings) {
         return program_fail("out of memory");
     }
     bool only_inputs = false;
@@ -161,6 +143,7 @@ void options_free(struct options *options)
 {
     free((void *)options->inputs);
     free((void *)options->roles);
+    free((void *)options->presets);
     free((void *)options->looks);
     free(options->settings);
     free(options->keys);

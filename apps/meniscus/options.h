@@ -11,6 +11,8 @@
 
 enum command { COMMAND_RENDER = 1, COMMAND_INFO = 2, COMMAND_BENCH = 4, COMMAND_SAMPLE = 8, COMMAND_LAB = 16, COMMAND_CONVERT = 32 };
 
+struct preset;
+
 struct setting {
     const char *name;
     const char *value;
@@ -63,6 +65,8 @@ struct options {
 
     struct setting *settings; /* [setting_count] in the order given; the last of a name wins */
     size_t setting_count;
+    const struct preset **presets; /* [preset_count], applied before the looks */
+    size_t preset_count;
     const char **looks; /* [look_count], read before the settings */
     size_t look_count;
     const char *save_look;

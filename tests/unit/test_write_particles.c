@@ -186,8 +186,7 @@ static void joined_vectors_are_not_written(void **state)
 static void strange_names_do_no_harm(void **state)
 {
     (void)state;
-    mns_particle_set *set =
-        read_text("x;y;z;a<b>&\"c\";../../d;.._.._d;two words\n1;2;3;4;5;6;7\n1;2;3;4;5;6;7\n", "a.csv", NULL);
+    mns_particle_set *set = read_text("x;y;z;a<b>&\"c\";../../d;.._.._d;two words\n1;2;3;4;5;6;7\n1;2;3;4;5;6;7\n", "a.csv", NULL);
     static const char *const paths[] = {"test_write.npz", "test_write.vtp", "test_write.ply", "test_write.bgeo"};
     for (size_t p = 0; p < 4; p++) {
         struct heard heard = {0};
