@@ -39,7 +39,8 @@ struct mns_particles {
     struct mns_attr spray;    /* [count], 0 to 1: opacity of the soft drop that it is drawn as. Absent: 0, none */
     struct mns_attr noise;    /* [count], 0 to 1: amplitude of its surface noise. Absent: 1 */
     struct mns_attr shape; /* [count][6]: xx, yy, zz, xy, xz, yz of a symmetric positive matrix A, world space: the splat is the ellipsoid
-                                 { c + R A u, |u| = 1 }. Absent: the identity, a sphere */
+                                 { c + R A u, |u| = 1 }, of the same rest volume as without. Eigenvalues from 0.01 to 100, the largest at most
+                                 100 times the least. Absent: the identity, a sphere */
     struct mns_attr kind; /* [count], integer, enum mns_kind. Read of diffuse particles only (mns_renderer_prepare_diffuse). Absent: foam */
 };
 

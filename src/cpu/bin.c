@@ -1,6 +1,7 @@
 /* bin.c: stage bin: which chunks of particles may show in which tile of the picture.
  * In: the particle store. Out: backend->tiles. Each tile's chunks stand in the order of the store, whatever the number of threads. */
 #include "cpu/cpu.h"
+#include "cpu/ellipsoid.h"
 #include "cpu/tiles.h"
 
 #include <math.h>
@@ -79,6 +80,11 @@ static void resolve_view(struct splat_view *out, const struct particle_store *pa
                                .box_radii = particles->box_radius,
                                .has_color = particles->color[0] != NULL,
                                .scale = texel_scale(frame)};
+    if (particles->shape[0]) {
+        out->per_shape = frame->params.thickness_mode == MNS_THICKNESS_VOLUME;
+        out->box_stretch = particles->box_stretch;
+        out->sum_stretch = out->scale > 1 ? SMOOTH_STRETCH : 0;
+    }
     memcpy(out->rotation, view->rotation, sizeof(out->rotation));
     memcpy(out->translation, view->translation, sizeof(out->translation));
     const struct particle_facts *facts = &particles->facts;

@@ -6,6 +6,7 @@
 #include <meniscus/renderer.h>
 
 #include "cpu/blur.h"
+#include "cpu/ellipsoid.h"
 #include "cpu/scene.h"
 #include "cpu/shade.h"
 #include "cpu/smooth.h"
@@ -13,6 +14,7 @@
 
 struct kernels {
     const struct splat_kernels *splat;
+    const struct ellipsoid_kernels *ellipsoid; /* splat: particles with a shape */
     const struct smooth_kernels *smooth;
     const struct blur_kernels *blur;
     const struct scene_kernels *scene;

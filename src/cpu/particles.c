@@ -197,6 +197,39 @@ static mns_result check_range(const struct mns_particles *in, const struct mns_a
     return MNS_OK;
 }
 
+/* Whether a symmetric matrix has three positive eigenvalues, in the range of struct mns_particles: the Frobenius norms of A and of its inverse
+ * bound them. */
+static bool is_shape(const double a[6])
+{
+    double adjugate[6] = {a[1] * a[2] - a[5] * a[5], a[0] * a[2] - a[4] * a[4], a[0] * a[1] - a[3] * a[3],
+                          a[4] * a[5] - a[3] * a[2], a[3] * a[5] - a[4] * a[1], a[3] * a[4] - a[0] * a[5]};
+    double det = a[0] * adjugate[0] + a[3] * adjugate[3] + a[4] * adjugate[4], square = 0, inverse = 0;
+    for (int k = 0; k < 6; k++) {
+        square += (k < 3 ? 1 : 2) * a[k] * a[k];
+        inverse += (k < 3 ? 1 : 2) * adjugate[k] * adjugate[k] / (det * det);
+    }
+    const double most = 3.001e4; /* three squares of 100, and rounding */
+    return a[0] > 0 && adjugate[2] > 0 && det > 0 && square <= most && inverse <= most && square * inverse <= most;
+}
+
+static mns_result check_shapes(const struct mns_particles *in, struct mns_message *message)
+{
+    for (size_t i = 0; in->shape.data && i < in->count; i++) {
+        double a[6];
+        for (int k = 0; k < 6; k++) {
+            a[k] = mns_attr_get(&in->shape, in->shape.type, 6, i, k);
+        }
+        if (!is_shape(a)) {
+            return mns_fail(
+                message, MNS_ERR_INVALID_ARGUMENT,
+                "the shape of particle %zu is %g, %g, %g, %g, %g, %g; it must be a symmetric matrix xx, yy, zz, xy, xz, yz whose "
+                "eigenvalues are from 0.01 to 100, the largest at most 100 times the least",
+                i, a[0], a[1], a[2], a[3], a[4], a[5]);
+        }
+    }
+    return MNS_OK;
+}
+
 static mns_result check(const struct mns_particles *in, struct mns_message *message)
 {
     if (in->count > UINT32_MAX - 64) {
@@ -211,7 +244,8 @@ static mns_result check(const struct mns_particles *in, struct mns_message *mess
                         mns_type_name(in->position.type));
     }
     mns_result result = check_range(in, &in->radius, "radius", 1e-12f, 1e12f, message); /* as the parameter `radius` */
-    return result == MNS_OK ? check_range(in, &in->mass, "mass", 1e-30f, 1e18f, message) : result;
+    result = result == MNS_OK ? check_range(in, &in->mass, "mass", 1e-30f, 1e18f, message) : result;
+    return result == MNS_OK ? check_shapes(in, message) : result;
 }
 
 /* Bounds of the finite particles, the origin in their middle, and how many there are. */

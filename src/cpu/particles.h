@@ -22,12 +22,14 @@ struct particle_store {
     float *factor;      /* of water or foam, on the radius; NULL: all 1 */
     float *mass;        /* kg, or NULL */
     float *color[3];    /* water: linear, or NULL */
+    float *shape[6];    /* water: xx, yy, zz, xy, xz, yz of A, world space, or NULL: spheres */
     float *age;         /* foam: 0 to 1, or NULL: all 0 */
     float *opacity;     /* spray: 0 to 1 */
     float *velocity[3]; /* spray: m/s, world space, or NULL */
     float *seed;        /* foam and spray: a whole number under 2^24 for each particle, by its id, else its index */
-    /* Boxes of the chunks' centres, the largest radius and the largest factor in each (0 when there are none). [chunk_count rounded up to 16] */
-    float *box_min[3], *box_max[3], *box_radius, *box_factor;
+    /* Boxes of the chunks' centres, the largest radius, the largest factor and a bound on the longest semi-axis of A in each (0 when there are
+     * none). [chunk_count rounded up to 16] */
+    float *box_min[3], *box_max[3], *box_radius, *box_factor, *box_stretch;
     struct particle_facts facts; /* of the whole set, whatever the store holds of it */
 };
 

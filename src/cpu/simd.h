@@ -529,6 +529,16 @@ SIMD vf vf_rsqrt_quick(vf a)
 #endif
 }
 
+/* 1 / a within 7e-5 relative, likewise. */
+SIMD vf vf_rcp_quick(vf a)
+{
+#if defined(MNS_SIMD_AVX512) || defined(MNS_SIMD_NEON)
+    return vf_rcp_estimate(a);
+#else
+    return vf_rcp(a);
+#endif
+}
+
 /* e^a for a in [-87, 88]; smaller arguments give e^-87, larger ones e^88. 2^f by a polynomial on [-0.5, 0.5]. */
 SIMD vf vf_exp(vf a)
 {

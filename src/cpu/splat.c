@@ -37,10 +37,21 @@ static void write_empty(struct backend *cpu, const struct splat_tile *tile)
     }
 }
 
+/* Those for spheres, or for particles with a shape. */
+static struct splat_kernels kernels_of(const struct backend *cpu)
+{
+    struct splat_kernels table = *cpu->kernels->splat;
+    if (cpu->tiles[STORE_WATER].view.particles->shape[0]) {
+        table.depth = cpu->kernels->ellipsoid->depth;
+        table.thickness = cpu->kernels->ellipsoid->thickness;
+    }
+    return table;
+}
+
 static void draw_tile(struct backend *cpu, struct tile_scratch *scratch, size_t index)
 {
     const struct tiles *tiles = &cpu->tiles[STORE_WATER];
-    const struct splat_kernels *kernels = cpu->kernels->splat;
+    const struct splat_kernels table = kernels_of(cpu), *kernels = &table;
     struct splat_tile *tile = &scratch->tile;
     size_t count = mns_tile_begin(tiles, index, scratch);
     if (count == 0) {

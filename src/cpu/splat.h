@@ -63,6 +63,9 @@ struct splat_view {
     float weight;                   /* of every particle; times mass_i with per_mass, over R_i^3 with per_cube */
     const float *factors;           /* with per_cube: what R_i has in it beyond the particle's own radius, or NULL */
     bool per_mass, per_cube;
+    bool per_shape;           /* weight over det A of an ellipsoid (ellipsoid.h) */
+    const float *box_stretch; /* with shapes: the longest semi-axis in each chunk, over R; else NULL */
+    float sum_stretch;        /* thickness may reach farther out than outlines by this times the largest half-extent, and SUM_REACH */
     bool has_color;
     int scale;   /* pixels per texel */
     float slack; /* metres: more than depths can be off by rounding. Culling leaves this much room, so that it changes no pixel */

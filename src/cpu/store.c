@@ -8,7 +8,7 @@
 /* Radius of a diffuse particle that brings none, over the fluid's: FoamGenerator and its like sow many for each particle of the fluid. */
 static const float DIFFUSE_RADIUS = 0.5f;
 
-enum { ARRAYS = 16, BOXES = 8 };
+enum { ARRAYS = 22, BOXES = 9 };
 
 struct fill {
     struct particle_store *store;
@@ -22,17 +22,24 @@ static size_t padded_chunks(size_t chunks) { return (chunks + 15) / 16 * 16; }
 
 static void list_arrays(struct particle_store *store, float **out[ARRAYS])
 {
-    float **const arrays[ARRAYS] = {&store->x,           &store->y,           &store->z,        &store->radius,
-                                    &store->factor,      &store->mass,        &store->color[0], &store->color[1],
-                                    &store->color[2],    &store->age,         &store->opacity,  &store->velocity[0],
-                                    &store->velocity[1], &store->velocity[2], &store->seed,     NULL};
+    float **const arrays[ARRAYS] = {&store->x,           &store->y,
+                                    &store->z,           &store->radius,
+                                    &store->factor,      &store->mass,
+                                    &store->color[0],    &store->color[1],
+                                    &store->color[2],    &store->age,
+                                    &store->opacity,     &store->velocity[0],
+                                    &store->velocity[1], &store->velocity[2],
+                                    &store->seed,        &store->shape[0],
+                                    &store->shape[1],    &store->shape[2],
+                                    &store->shape[3],    &store->shape[4],
+                                    &store->shape[5],    NULL};
     memcpy(out, arrays, sizeof(arrays));
 }
 
 static void list_boxes(struct particle_store *store, float **out[BOXES])
 {
-    float **const boxes[BOXES] = {&store->box_min[0], &store->box_min[1], &store->box_min[2], &store->box_max[0],
-                                  &store->box_max[1], &store->box_max[2], &store->box_radius, &store->box_factor};
+    float **const boxes[BOXES] = {&store->box_min[0], &store->box_min[1], &store->box_min[2], &store->box_max[0], &store->box_max[1],
+                                  &store->box_max[2], &store->box_radius, &store->box_factor, &store->box_stretch};
     memcpy(out, boxes, sizeof(boxes));
 }
 
@@ -55,7 +62,7 @@ static void list_wanted(const struct particle_store *store, const struct store_s
 {
     const struct mns_particles *in = source->particles;
     bool water = source->kind == STORE_WATER, foam = source->kind == STORE_FOAM, spray = source->kind == STORE_SPRAY;
-    bool color = water && in->color.data, velocity = spray && (store->velocity[0] || in->velocity.data);
+    bool color = water && in->color.data, shape = water && in->shape.data, velocity = spray && (store->velocity[0] || in->velocity.data);
     const bool wanted[ARRAYS] = {true,
                                  true,
                                  true,
@@ -70,7 +77,13 @@ static void list_wanted(const struct particle_store *store, const struct store_s
                                  velocity,
                                  velocity,
                                  velocity,
-                                 !water};
+                                 !water,
+                                 shape,
+                                 shape,
+                                 shape,
+                                 shape,
+                                 shape,
+                                 shape};
     memcpy(out, wanted, sizeof(wanted));
 }
 
@@ -171,10 +184,16 @@ static void gather_rest(const struct fill *fill, size_t place, size_t i)
     if (store->seed) {
         store->seed[place] = seed_of(in, i);
     }
+    for (int k = 0; k < 6 && store->shape[k]; k++) {
+        store->shape[k][place] = (float)mns_attr_get(&in->shape, in->shape.type, 6, i, k);
+    }
 }
 
 /* Whether gather_rest has anything to do: of most sets it has not. */
-static bool has_rest(const struct particle_store *store) { return store->radius || store->factor || store->mass || store->color[0]; }
+static bool has_rest(const struct particle_store *store)
+{
+    return store->radius || store->factor || store->mass || store->color[0] || store->shape[0];
+}
 
 /* Copies one chunk's particles to their places; what of the chunk was there before, or is past the end, stays. */
 static void gather_chunk(const struct fill *fill, size_t chunk, enum mns_type type)
@@ -201,6 +220,13 @@ static void gather_chunk(const struct fill *fill, size_t chunk, enum mns_type ty
     }
 }
 
+/* A bound on the longest semi-axis at a place: the largest sum of a row's magnitudes (Gershgorin). */
+static float stretch_at(float *const a[6], size_t i)
+{
+    float x = fabsf(a[0][i]) + fabsf(a[3][i]) + fabsf(a[4][i]), y = fabsf(a[3][i]) + fabsf(a[1][i]) + fabsf(a[5][i]);
+    return fmaxf(fmaxf(x, y), fabsf(a[4][i]) + fabsf(a[5][i]) + fabsf(a[2][i]));
+}
+
 static void measure_chunk(struct particle_store *store, size_t chunk)
 {
     const float *positions[3] = {store->x, store->y, store->z}, *sizes[2] = {store->radius, store->factor};
@@ -221,6 +247,10 @@ static void measure_chunk(struct particle_store *store, size_t chunk)
             most = sizes[k][i] > most ? sizes[k][i] : most;
         }
         largest[k][chunk] = most;
+    }
+    store->box_stretch[chunk] = 0;
+    for (size_t i = chunk * CHUNK_SIZE; store->shape[0] && i < (chunk + 1) * CHUNK_SIZE; i++) {
+        store->box_stretch[chunk] = fmaxf(store->box_stretch[chunk], stretch_at(store->shape, i));
     }
 }
 

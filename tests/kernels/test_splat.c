@@ -1,7 +1,7 @@
 /* test_splat.c: the kernels of stages bin and splat of every instruction set against plain C, within the tolerances of cpu/splat.h. */
 #include "splat_test.h"
 
-#include "cpu/sprite.h"
+#include "cpu/ellipsoid.h"
 #include "cpu/tiles.h"
 
 enum { CHUNKS = 24, COUNT = CHUNKS * CHUNK_SIZE - 11 };
@@ -16,7 +16,19 @@ struct bench {
     struct splat_tile *tile[2];
 };
 
-enum kind { PERSPECTIVE, OFF_CENTER, ORTHOGRAPHIC, OWN_RADII, KINDS };
+enum kind { PERSPECTIVE, OFF_CENTER, ORTHOGRAPHIC, OWN_RADII, SHAPES, SHAPES_ORTHOGRAPHIC, SHAPES_OWN_RADII, KINDS };
+
+/* Symmetric, each row's off-diagonal terms under half of the diagonal one: semi-axes from 0.3 to 2.5. */
+static void random_shapes(struct bench *b, uint64_t *seed)
+{
+    for (int k = 0; k < 6; k++) {
+        b->store.shape[k] = mns_memory_get(&b->memory, CHUNKS * CHUNK_SIZE, sizeof(float));
+        for (size_t i = 0; i < CHUNKS * CHUNK_SIZE; i++) {
+            double u = random_unit(seed);
+            b->store.shape[k][i] = (float)(k < 3 ? 0.6 + u : 0.25 * u - 0.15);
+        }
+    }
+}
 
 static void open_bench(struct bench *b, enum kind kind, int scale, float pixels)
 {
@@ -46,12 +58,18 @@ static void open_bench(struct bench *b, enum kind kind, int scale, float pixels)
         }
     }
     b->store.box_radius = mns_memory_get(&b->memory, 32, sizeof(float));
+    b->store.box_stretch = mns_memory_get(&b->memory, 32, sizeof(float));
     for (size_t chunk = 0; chunk < CHUNKS; chunk++) {
         b->store.box_radius[chunk] = 1.2f;
+        b->store.box_stretch[chunk] = 2.5f;
     }
-    float f = kind == ORTHOGRAPHIC ? 70 : 260, c = 0.8f, s = 0.6f;
+    if (kind >= SHAPES) {
+        random_shapes(b, &seed);
+    }
+    bool orthographic = kind == ORTHOGRAPHIC || kind == SHAPES_ORTHOGRAPHIC;
+    float f = orthographic ? 70 : 260, c = 0.8f, s = 0.6f;
     b->view = (struct splat_view){.particles = &b->store,
-                                  .orthographic = kind == ORTHOGRAPHIC,
+                                  .orthographic = orthographic,
                                   .rotation = {c, 0, s, 0, 1, 0, -s, 0, c},
                                   .translation = {0.1f, -0.2f, 4},
                                   .fx = f,
@@ -62,7 +80,7 @@ static void open_bench(struct bench *b, enum kind kind, int scale, float pixels)
                                   .height = 150,
                                   .near_plane = 0.1f,
                                   .far_plane = 100,
-                                  .radius = pixels * (kind == ORTHOGRAPHIC ? 1 : 4) / f,
+                                  .radius = pixels * (orthographic ? 1 : 4) / f,
                                   .weight = 0.7f,
                                   .has_color = true,
                                   .scale = scale,
@@ -70,13 +88,18 @@ static void open_bench(struct bench *b, enum kind kind, int scale, float pixels)
     if (kind == OFF_CENTER) {
         b->view.translation[0] = 5;
     }
-    if (kind == OWN_RADII) {
+    if (kind == OWN_RADII || kind == SHAPES_OWN_RADII) {
         b->view.radius_scale = b->view.radius;
         b->view.radii = b->store.radius;
         b->view.box_radii = b->store.box_radius;
         b->view.per_mass = b->view.per_cube = true;
         b->view.factors = b->store.color[2]; /* 0.2 to 1.2 will do */
+        b->view.per_shape = kind == SHAPES_OWN_RADII;
         b->view.weight *= b->view.radius * b->view.radius * b->view.radius;
+    }
+    if (kind >= SHAPES) {
+        b->view.box_stretch = b->store.box_stretch;
+        b->view.sum_stretch = scale > 1 ? SMOOTH_STRETCH : 0;
     }
     b->tiles.view = b->view;
     assert_true(mns_scratch_reserve(&b->scratch, &b->tiles, &b->memory, 2));
@@ -108,9 +131,10 @@ static void open_bench(struct bench *b, enum kind kind, int scale, float pixels)
 static void close_bench(struct bench *b)
 {
     mns_scratch_free(&b->scratch, &b->memory);
-    float *arrays[] = {b->store.x,    b->store.y,        b->store.z,        b->store.radius,
-                       b->store.mass, b->store.color[0], b->store.color[1], b->store.color[2]};
-    for (int k = 0; k < 8; k++) {
+    float *arrays[] = {b->store.x,        b->store.y,        b->store.z,        b->store.radius,   b->store.mass,
+                       b->store.color[0], b->store.color[1], b->store.color[2], b->store.shape[0], b->store.shape[1],
+                       b->store.shape[2], b->store.shape[3], b->store.shape[4], b->store.shape[5]};
+    for (int k = 0; k < 14; k++) {
         mns_memory_put(&b->memory, arrays[k], CHUNKS * CHUNK_SIZE, sizeof(float));
     }
     for (int k = 0; k < 3; k++) {
@@ -118,17 +142,29 @@ static void close_bench(struct bench *b)
         mns_memory_put(&b->memory, b->store.box_max[k], 32, sizeof(float));
     }
     mns_memory_put(&b->memory, b->store.box_radius, 32, sizeof(float));
+    mns_memory_put(&b->memory, b->store.box_stretch, 32, sizeof(float));
     assert_int_equal(b->memory.bytes, 0);
+}
+
+/* s^2 at a pixel, relative to the most that it is. */
+static float inside_of(const struct bench *b, size_t i, int x, int y)
+{
+    if (b->store.shape[0]) {
+        struct ellipsoid e = ellipsoid_project(&b->view, &b->tile[0]->pixels, i);
+        struct ellipsoid_poly p = ellipsoid_poly_of(&b->view, &b->tile[0]->pixels, &e);
+        return quadratic_at(&p.s2, (float)x + 0.5f - e.sprite.x, (float)y + 0.5f - e.sprite.y) / p.s2.k0;
+    }
+    struct sprite s = sprite_project(&b->view, &b->tile[0]->pixels, i);
+    struct sprite_poly poly = sprite_poly_of(&b->view, &b->tile[0]->pixels, &s);
+    float along;
+    return sprite_evaluate(&poly, (float)x + 0.5f - s.x, (float)y + 0.5f - s.y, &along) / poly.k0;
 }
 
 /* Largest s^2 / R^2 of the set's spheres that are in doubt at a pixel: met at their rim. */
 static bool in_doubt(const struct bench *b, int x, int y)
 {
     for (size_t i = 0; i < COUNT; i++) {
-        struct sprite s = sprite_project(&b->view, &b->tile[0]->pixels, i);
-        struct sprite_poly poly = sprite_poly_of(&b->view, &b->tile[0]->pixels, &s);
-        float along, s2 = sprite_evaluate(&poly, (float)x + 0.5f - s.x, (float)y + 0.5f - s.y, &along);
-        if (fabsf(s2) < 0.02f * poly.k0) {
+        if (fabsf(inside_of(b, i, x, y)) < 0.02f) {
             return true;
         }
     }
@@ -161,11 +197,12 @@ static void check_depth(struct bench *b, const struct splat_kernels *a, const st
         drawn[1] += v->depth(&b->view, b->tile[1], chunk, DEPTH_EMPTY);
     }
     assert_true(drawn[0] > 0 && labs((long)drawn[0] - (long)drawn[1]) <= 3); /* centres on the tile's edge */
-    float least_radius = b->view.radius_scale > 0 ? 0.2f * b->view.radius : b->view.radius;
+    float radius =
+        b->view.radius_scale > 0 && !b->store.shape[0] ? 0.2f * b->view.radius : b->view.radius; /* the least, and as of shapes */
     for (int y = 0; y < TILE_SIZE; y++) {
         for (int x = 0; x < TILE_SIZE; x++) {
             float plain = b->tile[0]->nearest[y * TILE_STRIDE + x], vector = b->tile[1]->nearest[y * TILE_STRIDE + x];
-            bool alike = fabsf(plain - vector) <= 3e-4f * least_radius + 1e-6f * fabsf(plain);
+            bool alike = fabsf(plain - vector) <= 3e-4f * radius + 1e-6f * fabsf(plain);
             assert_true(alike || in_doubt(b, x, y));
         }
     }
@@ -224,23 +261,33 @@ static void check_thickness(struct bench *b, const struct splat_kernels *a, cons
     }
 }
 
+/* With the kernels for particles with a shape in place of those for spheres, whose contracts are the same. */
+static struct splat_kernels table_of(enum mns_isa isa, bool with_shapes)
+{
+    struct splat_kernels table = *mns_kernels_get(isa)->splat;
+    if (with_shapes) {
+        table.depth = mns_kernels_get(isa)->ellipsoid->depth;
+        table.thickness = mns_kernels_get(isa)->ellipsoid->thickness;
+    }
+    return table;
+}
+
 /* Spheres of half a pixel to 30, so that deposits, smooth forms and chords all come up, alone and mixed. */
 static void kernels_agree(void **state)
 {
     (void)state;
-    const struct splat_kernels *plain = mns_kernels_get(MNS_ISA_SCALAR)->splat;
     const float pixels[] = {0.5f, 3, 5, 9, 30};
     enum mns_isa isas[6];
     for (int i = test_isas(isas) - 1; i > 0; i--) {
-        const struct splat_kernels *vector = mns_kernels_get(isas[i])->splat;
         for (int kind = 0; kind < KINDS; kind++) {
+            struct splat_kernels plain = table_of(MNS_ISA_SCALAR, kind >= SHAPES), vector = table_of(isas[i], kind >= SHAPES);
             for (int k = 0; k < 5; k++) {
                 for (int scale = 1; scale <= 4; scale *= 2) {
                     struct bench b;
                     open_bench(&b, (enum kind)kind, scale, pixels[k]);
-                    check_bounds(&b, plain, vector);
-                    check_depth(&b, plain, vector);
-                    check_thickness(&b, plain, vector);
+                    check_bounds(&b, &plain, &vector);
+                    check_depth(&b, &plain, &vector);
+                    check_thickness(&b, &plain, &vector);
                     close_bench(&b);
                 }
             }

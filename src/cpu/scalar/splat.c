@@ -6,6 +6,7 @@ static void chunk_bounds(const struct splat_view *view, size_t chunk, int at, st
 {
     const struct particle_store *p = view->particles;
     float radius = view->radius_scale > 0 ? view->radius_scale * view->box_radii[chunk] : view->radius;
+    radius *= view->box_stretch ? view->box_stretch[chunk] : 1;
     float center[3], extent[3];
     for (int k = 0; k < 3; k++) {
         center[k] = view->translation[k];
@@ -24,11 +25,12 @@ static void chunk_bounds(const struct splat_view *view, size_t chunk, int at, st
     float x_min = 0, x_max = (float)view->width, y_min = 0, y_max = (float)view->height, sprite = DEPTH_EMPTY;
     if (view->orthographic) {
         float rx = view->fx * radius, ry = view->fy * radius;
+        sprite = fmaxf(rx, ry);
+        reach += view->sum_stretch * sprite;
         x_min = view->fx * left + view->cx - rx - reach;
         x_max = view->fx * right + view->cx + rx + reach;
         y_min = view->fy * top + view->cy - ry - reach;
         y_max = view->fy * bottom + view->cy + ry + reach;
-        sprite = fmaxf(rx, ry);
     } else if (nearest >= CLOSE_RADII * radius && nearest > 0) {
         float rho = radius / nearest, low_x, high_x, low_y, high_y, unused;
         float a_min = fminf(left / nearest, left / farthest), a_max = fmaxf(right / nearest, right / farthest);
@@ -37,16 +39,17 @@ static void chunk_bounds(const struct splat_view *view, size_t chunk, int at, st
         sprite_extent(a_max, rho, &unused, &high_x);
         sprite_extent(b_min, rho, &low_y, &unused);
         sprite_extent(b_max, rho, &unused, &high_y);
+        /* Half of the outline's extent grows with |slope|. */
+        float rest = 1 - rho * rho, a = fmaxf(fabsf(a_min), fabsf(a_max)), b = fmaxf(fabsf(b_min), fabsf(b_max));
+        sprite = rho / rest * fmaxf(view->fx * sqrtf(a * a + rest), view->fy * sqrtf(b * b + rest));
+        reach += view->sum_stretch * sprite;
         x_min = view->fx * low_x + view->cx - reach;
         x_max = view->fx * high_x + view->cx + reach;
         y_min = view->fy * low_y + view->cy - reach;
         y_max = view->fy * high_y + view->cy + reach;
-        /* Half of the outline's extent grows with |slope|. */
-        float rest = 1 - rho * rho, a = fmaxf(fabsf(a_min), fabsf(a_max)), b = fmaxf(fabsf(b_min), fabsf(b_max));
-        sprite = rho / rest * fmaxf(view->fx * sqrtf(a * a + rest), view->fy * sqrtf(b * b + rest));
     } else {
         /* Close to the eye: all of the picture, unless wholly beyond one side plane of the frustum (widened by reach). */
-        float w = (float)view->width, h = (float)view->height;
+        float w = (float)view->width, h = (float)view->height, wide = (1 + view->sum_stretch) * radius;
         float planes[4][3] = {{view->fx, 0, view->cx + reach},
                               {-view->fx, 0, w - view->cx + reach},
                               {0, view->fy, view->cy + reach},
@@ -54,7 +57,7 @@ static void chunk_bounds(const struct splat_view *view, size_t chunk, int at, st
         for (int i = 0; i < 4; i++) {
             const float *n = planes[i];
             float inside = n[0] * center[0] + n[1] * center[1] + n[2] * center[2] + fabsf(n[0]) * extent[0] + fabsf(n[1]) * extent[1] +
-                           fabsf(n[2]) * extent[2] + (radius + view->slack) * (fabsf(n[0]) + fabsf(n[1]) + fabsf(n[2]));
+                           fabsf(n[2]) * extent[2] + (wide + view->slack) * (fabsf(n[0]) + fabsf(n[1]) + fabsf(n[2]));
             x_max = inside < 0 ? -1 : x_max;
         }
     }

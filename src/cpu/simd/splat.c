@@ -277,7 +277,7 @@ static void resolve_sum(const struct splat_view *view, const struct splat_tile *
 
 /* Boxes of VLEN chunks in image space, grown by the slack, and the largest radii. */
 struct boxes {
-    vf center[3], extent[3], radius;
+    vf center[3], extent[3], radius, wide; /* wide: radius, and what its thickness takes up */
 };
 
 SIMD struct boxes boxes_of(const struct splat_view *view, size_t first)
@@ -298,6 +298,10 @@ SIMD struct boxes boxes_of(const struct splat_view *view, size_t first)
     if (view->radius_scale > 0) {
         out.radius = vf_set1(view->radius_scale) * vf_loadu(view->box_radii + first);
     }
+    if (view->box_stretch) {
+        out.radius = out.radius * vf_loadu(view->box_stretch + first);
+    }
+    out.wide = vf_set1(1 + view->sum_stretch) * out.radius;
     return out;
 }
 
@@ -317,8 +321,8 @@ SIMD void box_extent(const struct boxes *box, int axis, vf per_near, vf per_far,
 /* Whether the boxes are wholly beyond the plane nx x + nz z = 0 of the frustum. */
 SIMD vm beyond(const struct boxes *box, int axis, float nx, float nz)
 {
-    vf inside = vf_set1(nx) * box->center[axis] + vf_set1(nz) * box->center[2] + vf_set1(fabsf(nx)) * (box->extent[axis] + box->radius) +
-                vf_set1(fabsf(nz)) * (box->extent[2] + box->radius);
+    vf inside = vf_set1(nx) * box->center[axis] + vf_set1(nz) * box->center[2] + vf_set1(fabsf(nx)) * (box->extent[axis] + box->wide) +
+                vf_set1(fabsf(nz)) * (box->extent[2] + box->wide);
     return vf_lt(inside, vf_zero());
 }
 
@@ -341,10 +345,11 @@ SIMD void bounds_at(const struct splat_view *view, size_t first, size_t at, stru
         box_extent(&box, 1, per_near, per_far, view->fy, &y_min, &y_max, &half_y);
         sprite = vf_max(half_x, half_y);
     }
-    x_min = x_min + vf_set1(view->cx - reach);
-    x_max = x_max + vf_set1(view->cx + reach);
-    y_min = y_min + vf_set1(view->cy - reach);
-    y_max = y_max + vf_set1(view->cy + reach);
+    vf stretch = vf_set1(view->sum_stretch) * sprite;
+    x_min = x_min + vf_set1(view->cx - reach) - stretch;
+    x_max = x_max + vf_set1(view->cx + reach) + stretch;
+    y_min = y_min + vf_set1(view->cy - reach) - stretch;
+    y_max = y_max + vf_set1(view->cy + reach) + stretch;
     vm fits = vm_and(vf_ge(nearest, vf_set1(CLOSE_RADII) * box.radius), vf_gt(nearest, vf_zero()));
     if (!view->orthographic && !vm_all(fits)) {
         /* Close to the eye: all of the picture, unless beyond one side of the frustum, widened by reach. */
