@@ -3,6 +3,7 @@
 #define MNS_TESTS_SMOOTH_TEST_H
 
 #include "cpu/cpu.h"
+#include "cpu/smooth/filter.h"
 #include "util/pool.h"
 
 #include <math.h>
@@ -89,6 +90,7 @@ static inline void fixture_destroy(struct fixture *fixture)
     for (int i = 0; i < 3; i++) {
         mns_plane_free(&fixture->cpu.depth_normal[i], &fixture->memory);
     }
+    mns_resample_destroy(&fixture->cpu);
     mns_memory_put(&fixture->memory, fixture->cpu.line_scratch, fixture->cpu.line_scratch_capacity, sizeof(float));
     assert_int_equal(fixture->memory.bytes, 0);
     mns_pool_destroy(fixture->pool);

@@ -411,6 +411,7 @@ const struct option_row option_table[] = {
     {"--filter", 0, "NAME,...", COMMAND_LAB, NULL, set_lab_filters, "filters to measure (all, and the papers' claims); repeatable"},
     {"--scenes", 0, "NAME,...", COMMAND_LAB, NULL, set_lab_scenes, "scenes to measure them in (all, and the papers' claims); repeatable"},
     {"--iterations", 0, "N", SMOOTHS, "iterations", NULL, "how often it smooths"},
+    {"--smooth-scale", 0, "1|2|4", SMOOTHS, "smooth_scale", NULL, "pixels per texel along each axis in which it smooths"},
     {"--sigma", 0, "S", SMOOTHS, "sigma", NULL, "sigma of its kernel, in splat radii"},
     {"--delta", 0, "D", SMOOTHS, "delta", NULL, "depth range that is smoothed together, in splat radii"},
     {"--mu", 0, "M", SMOOTHS, "mu", NULL, "where what lies beyond counts, in splat radii"},

@@ -22,8 +22,7 @@ struct table {
 enum { LGS09_1, LGS09_2, BSW10_1, TY18_1, TABLES };
 
 static const struct table tables[TABLES] = {
-    [LGS09_1] = {"[LGS09] table 1", "GeForce 8800 GTS 512", "whole frame; smoothing at part of the size is timed on a picture of that size",
-                 TIMED_FRAME, 1024, 768},
+    [LGS09_1] = {"[LGS09] table 1", "GeForce 8800 GTS 512", "whole frame", TIMED_FRAME, 1024, 768},
     [LGS09_2] = {"[LGS09] table 2", "GeForce 8800 GTS 512", "whole frame; the flow's settings are not stated: half size, 40 steps",
                  TIMED_FRAME, 1024, 768},
     [BSW10_1] = {"[BSW10] table 1", "GeForce GTX 280", "whole frame without foam; smoothing at half size; 20k to 64k particles",
@@ -123,16 +122,22 @@ static double stage_ms(const struct mns_stats *stats, const char *name)
     return 0;
 }
 
-/* The least of some draws: of the whole frame and of its stage smooth. */
-static int draw(struct papers *papers, const struct entry *entry, int filter, int scale, double *frame_ms, double *smooth_ms)
+/* The least of some draws: of the whole frame, or of its stage smooth. */
+static int time_entry(struct papers *papers, size_t index)
 {
+    const struct entry *entry = &entries[index];
     const struct table *table = &tables[entry->table];
     const struct mns_measure *measure = &papers->stats.measure;
+    int status = load(papers, entry);
+    if (status != STATUS_DONE) {
+        return status;
+    }
     struct mns_params params = papers->options->params;
-    params.filter = filter;
+    params.filter = entry->filter;
     params.iterations = entry->iterations;
+    params.smooth_scale = entry->scale;
     struct mns_camera camera;
-    mns_camera_init(&camera, table->width / scale, table->height / scale);
+    mns_camera_init(&camera, table->width, table->height);
     struct mns_output picture = {
         .layer = MNS_LAYER_BEAUTY,
         .image = {.data = papers->picture, .width = camera.width, .height = camera.height, .channels = 4, .pixel = MNS_PIXEL_U8}};
@@ -146,27 +151,10 @@ static int draw(struct papers *papers, const struct entry *entry, int filter, in
     for (long long i = 0; result == MNS_OK && i <= papers->options->repeat; i++) { /* the first warms up */
         result = mns_renderer_draw(papers->renderer, &frame);
         mns_renderer_stats(papers->renderer, &papers->stats);
-        double whole = papers->stats.draw_ms, smooth = stage_ms(&papers->stats, "smooth");
-        *frame_ms = i < 2 || whole < *frame_ms ? whole : *frame_ms;
-        *smooth_ms = i < 2 || smooth < *smooth_ms ? smooth : *smooth_ms;
+        double ms = table->timed == TIMED_FRAME ? papers->stats.draw_ms : stage_ms(&papers->stats, "smooth");
+        papers->ms[index] = i < 2 || ms < papers->ms[index] ? ms : papers->ms[index];
     }
     return result == MNS_OK ? STATUS_DONE : program_fail("lab papers: %s", mns_renderer_message(papers->renderer));
-}
-
-/* A frame is drawn without a filter, and smoothed at the size at which the paper smooths. */
-static int time_entry(struct papers *papers, size_t index)
-{
-    const struct entry *entry = &entries[index];
-    double frame = 0, smooth = 0, unused = 0;
-    int status = load(papers, entry);
-    if (status == STATUS_DONE && tables[entry->table].timed == TIMED_FRAME) {
-        status = draw(papers, entry, MNS_FILTER_NONE, 1, &frame, &unused);
-    }
-    if (status == STATUS_DONE) {
-        status = draw(papers, entry, entry->filter, entry->scale, &unused, &smooth);
-    }
-    papers->ms[index] = frame + smooth;
-    return status;
 }
 
 static void print_results(const struct papers *papers)

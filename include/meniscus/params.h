@@ -70,6 +70,7 @@ struct mns_params {
 
     /* Smoothing. */
     int filter;           /* enum mns_filter */
+    int smooth_scale;     /* 1, 2 or 4: pixels per texel along each axis in which the depth is smoothed ([LGS09] 3.5.1) */
     int iterations;       /* N: N times rows + columns, N 2-D passes, or N steps of a flow; 0 (auto): by the filter */
     float sigma;          /* r: [TY18] eq. 5 */
     float flow_sigma;     /* r: standard deviation of all that adaptive and implicit flow smooth, at every distance */

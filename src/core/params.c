@@ -25,6 +25,7 @@ static const char *const filters[] = {"none",
 static const char *const displays[] = {"beauty", "opaque", "spheres", "normal", "depth", "thickness", "curvature", NULL};
 static const char *const thickness_modes[] = {"volume", "chord", NULL};
 static const char *const thickness_scales[] = {"auto", "1", "2", "", "4", NULL}; /* index = value; "" is no choice */
+static const char *const smooth_scales[] = {"", "1", "2", "", "4", NULL};
 static const char *const fresnels[] = {"exact", "schlick", NULL};
 static const char *const backgrounds[] = {"sky", "color", "transparent", NULL};
 static const char *const axes[] = {"x", "y", "z", NULL};
@@ -60,6 +61,9 @@ static const struct mns_param table[] = {
      .help = "sigma of the Gaussian that smooths thickness and colour; 0: off"},
 
     {ENUM(filter, filters, MNS_FILTER_SMOOTHING_SPLINE), .unit = "", .group = "smoothing", .help = "how the depth is smoothed"},
+    {AT(smooth_scale), .type = MNS_PARAM_ENUM, .components = 1, .minimum = 1, .maximum = 4, .choices = smooth_scales, .defaults = {1},
+     .unit = "px", .group = "smoothing",
+     .help = "1, 2, 4: the depth is smoothed at full, half or quarter size; silhouettes stay those of the full size"},
     {INT(iterations, 1, 1000, 0), AUTO, .unit = "", .group = "smoothing",
      .help = "N times rows and columns, N passes of a 2-D filter, or N steps of a flow; auto: 3, of curvature-flow 100, of "
              "adaptive-curvature-flow at most 256, of implicit-curvature-flow and smoothing-spline 4"},

@@ -1,6 +1,8 @@
 /* cpu.c: the CPU backend: what it holds, and its row of functions. */
 #include "cpu/cpu.h"
 
+#include "cpu/smooth/filter.h"
+
 static mns_result create(struct backend **out, const struct backend_host *host, const struct mns_renderer_params *params)
 {
     enum mns_isa isa = params->isa == MNS_ISA_AUTO ? mns_isa_best() : params->isa;
@@ -41,6 +43,7 @@ static void destroy(struct backend *cpu)
     for (int i = 0; i < 3; i++) {
         mns_plane_free(&cpu->depth_normal[i], memory);
     }
+    mns_resample_destroy(cpu);
     mns_memory_put(memory, cpu->block_values, cpu->block_values_capacity, sizeof(*cpu->block_values));
     mns_memory_put(memory, cpu->line_scratch, cpu->line_scratch_capacity, sizeof(*cpu->line_scratch));
     for (int kind = 0; kind < STORE_KINDS; kind++) {

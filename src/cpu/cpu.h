@@ -43,6 +43,9 @@ struct backend {
     struct plane depth_normal[3]; /* smooth: plane-fit's normals, with the depth's border and stride; empty until they are needed */
     float *block_values;          /* smooth: three values for each block of a depth plane */
     size_t block_values_capacity;
+    struct depth_plane depth_texels;  /* smooth at part of the size: depth_raw in texels (smooth/resample.h); empty until they are needed */
+    struct plane tangents[3];         /* ... the smoothed texels' flat depth and its slopes along x and y */
+    struct depth_plane depth_pixels;  /* ... and the result */
     float *line_scratch; /* smooth: lines that are being solved, for each thread */
     size_t line_scratch_capacity;
     struct depth_plane *smoothed;       /* smooth: where the result is (depth_raw when the filter is none) */

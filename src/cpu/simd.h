@@ -98,6 +98,22 @@ SIMD void vf_lanes_apart(vf p[4])                                /* pixels 0-3, 
 SIMD void vf_lanes_together(vf p[4]) { vf_lanes_apart(p); } /* its own inverse */
 /* The last lane of a, then all of b but its last. */
 SIMD vf vf_slide(vf a, vf b) { return _mm512_castsi512_ps(_mm512_alignr_epi32(_mm512_castps_si512(b), _mm512_castps_si512(a), 15)); }
+SIMD void vf_zip(vf p[2]) /* a0 a1 ..., b0 b1 ... -> a0 b0 a1 b1 ... */
+{
+    __m512i low = _mm512_setr_epi32(0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23);
+    __m512i high = _mm512_add_epi32(low, _mm512_set1_epi32(8));
+    vf a = p[0], b = p[1];
+    p[0] = _mm512_permutex2var_ps(a, low, b);
+    p[1] = _mm512_permutex2var_ps(a, high, b);
+}
+SIMD void vf_unzip(vf p[2]) /* and back */
+{
+    __m512i even = _mm512_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30);
+    __m512i odd = _mm512_add_epi32(even, _mm512_set1_epi32(1));
+    vf a = p[0], b = p[1];
+    p[0] = _mm512_permutex2var_ps(a, even, b);
+    p[1] = _mm512_permutex2var_ps(a, odd, b);
+}
 SIMD void vf_transpose_4(vf p[4])
 {
     __m512d a = _mm512_castps_pd(_mm512_unpacklo_ps(p[0], p[1])), b = _mm512_castps_pd(_mm512_unpackhi_ps(p[0], p[1]));
@@ -211,6 +227,18 @@ SIMD vf vf_slide(vf a, vf b)
 {
     __m256i between = _mm256_castps_si256(_mm256_permute2f128_ps(a, b, 0x21)); /* upper half of a, lower of b */
     return _mm256_castsi256_ps(_mm256_alignr_epi8(_mm256_castps_si256(b), between, 12));
+}
+SIMD void vf_zip(vf p[2])
+{
+    vf a = _mm256_unpacklo_ps(p[0], p[1]), b = _mm256_unpackhi_ps(p[0], p[1]);
+    p[0] = _mm256_permute2f128_ps(a, b, 0x20);
+    p[1] = _mm256_permute2f128_ps(a, b, 0x31);
+}
+SIMD void vf_unzip(vf p[2])
+{
+    vf a = _mm256_permute2f128_ps(p[0], p[1], 0x20), b = _mm256_permute2f128_ps(p[0], p[1], 0x31);
+    p[0] = _mm256_shuffle_ps(a, b, 0x88);
+    p[1] = _mm256_shuffle_ps(a, b, 0xdd);
 }
 SIMD void vf_transpose_4(vf p[4])
 {
@@ -344,6 +372,18 @@ SIMD vf vf_slide(vf a, vf b)
     vf between = _mm_shuffle_ps(a, b, _MM_SHUFFLE(0, 0, 3, 3)); /* last of a, first of b */
     return _mm_shuffle_ps(between, b, _MM_SHUFFLE(2, 1, 2, 0));
 }
+SIMD void vf_zip(vf p[2])
+{
+    vf a = p[0];
+    p[0] = _mm_unpacklo_ps(a, p[1]);
+    p[1] = _mm_unpackhi_ps(a, p[1]);
+}
+SIMD void vf_unzip(vf p[2])
+{
+    vf a = p[0];
+    p[0] = _mm_shuffle_ps(a, p[1], 0x88);
+    p[1] = _mm_shuffle_ps(a, p[1], 0xdd);
+}
 SIMD void vf_transpose_4(vf p[4]) { _MM_TRANSPOSE4_PS(p[0], p[1], p[2], p[3]); }
 SIMD void vi_store_u16(uint16_t *p, vi a) /* there is no unsigned pack: signed, about 2^15 */
 {
@@ -439,6 +479,18 @@ SIMD vf vf_scale2(vf a, vf n) { return a * vi_as_float(vi_shl(vi_add(vf_nearest(
 SIMD void vf_lanes_apart(vf p[4]) { (void)p; } /* one pixel each already */
 SIMD void vf_lanes_together(vf p[4]) { (void)p; }
 SIMD vf vf_slide(vf a, vf b) { return vextq_f32(a, b, 3); }
+SIMD void vf_zip(vf p[2])
+{
+    float32x4x2_t both = vzipq_f32(p[0], p[1]);
+    p[0] = both.val[0];
+    p[1] = both.val[1];
+}
+SIMD void vf_unzip(vf p[2])
+{
+    float32x4x2_t both = vuzpq_f32(p[0], p[1]);
+    p[0] = both.val[0];
+    p[1] = both.val[1];
+}
 SIMD void vf_transpose_4(vf p[4])
 {
     float32x4x2_t a = vtrnq_f32(p[0], p[1]), b = vtrnq_f32(p[2], p[3]);

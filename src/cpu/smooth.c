@@ -22,8 +22,7 @@ static filter_function *const filters[] = {
     [MNS_FILTER_SMOOTHING_SPLINE] = mns_smooth_spline,
 };
 
-/* Gives a plane its size; where that changes it, or its ranges are new, no block passes for empty. */
-static bool resize(struct depth_plane *plane, struct memory *memory, const struct view *view)
+bool mns_smooth_resize(struct depth_plane *plane, struct memory *memory, const struct view *view)
 {
     const struct depth_range *ranges = plane->ranges;
     bool same = plane->plane.width == view->width && plane->plane.height == view->height;
@@ -64,31 +63,36 @@ void mns_smooth_copy_empty(struct backend *cpu, const struct depth_plane *start)
 }
 
 /* Past the picture's edge blocks hold 0, which is not part of their range. */
+struct depth_range mns_smooth_range(const struct plane *depth, int bx, int by)
+{
+    int bottom = depth->height - by * BLOCK_HEIGHT, rows = bottom < BLOCK_HEIGHT ? bottom : BLOCK_HEIGHT;
+    int right = depth->width - bx * BLOCK_WIDTH, columns = right < BLOCK_WIDTH ? right : BLOCK_WIDTH;
+    const float *at = depth->data + by * BLOCK_HEIGHT * depth->stride + bx * BLOCK_WIDTH;
+    float nearest[BLOCK_WIDTH], farthest[BLOCK_WIDTH];
+    memcpy(nearest, at, sizeof(nearest));
+    memcpy(farthest, at, sizeof(farthest));
+    for (int y = 1; y < rows; y++) {
+        for (int x = 0; x < BLOCK_WIDTH; x++) {
+            float value = at[y * depth->stride + x];
+            nearest[x] = value < nearest[x] ? value : nearest[x];
+            farthest[x] = value > farthest[x] ? value : farthest[x];
+        }
+    }
+    struct depth_range range = {DEPTH_EMPTY, 0};
+    for (int x = 0; x < columns; x++) {
+        range.min = nearest[x] < range.min ? nearest[x] : range.min;
+        range.max = farthest[x] > range.max ? farthest[x] : range.max;
+    }
+    return range;
+}
+
 static void measure_row(void *context, int by)
 {
-    const struct depth_plane *depth = context;
-    int bottom = depth->plane.height - by * BLOCK_HEIGHT, rows = bottom < BLOCK_HEIGHT ? bottom : BLOCK_HEIGHT;
+    struct depth_plane *depth = context;
     for (int bx = 0; bx < depth->blocks_x; bx++) {
         struct depth_range *range = &depth->ranges[by * depth->blocks_x + bx];
-        if (range->min >= DEPTH_LIMIT) {
-            continue;
-        }
-        int right = depth->plane.width - bx * BLOCK_WIDTH, columns = right < BLOCK_WIDTH ? right : BLOCK_WIDTH;
-        const float *at = depth->plane.data + by * BLOCK_HEIGHT * depth->plane.stride + bx * BLOCK_WIDTH;
-        float nearest[BLOCK_WIDTH], farthest[BLOCK_WIDTH];
-        memcpy(nearest, at, sizeof(nearest));
-        memcpy(farthest, at, sizeof(farthest));
-        for (int y = 1; y < rows; y++) {
-            for (int x = 0; x < BLOCK_WIDTH; x++) {
-                float value = at[y * depth->plane.stride + x];
-                nearest[x] = value < nearest[x] ? value : nearest[x];
-                farthest[x] = value > farthest[x] ? value : farthest[x];
-            }
-        }
-        *range = (struct depth_range){DEPTH_EMPTY, 0};
-        for (int x = 0; x < columns; x++) {
-            range->min = nearest[x] < range->min ? nearest[x] : range->min;
-            range->max = farthest[x] > range->max ? farthest[x] : range->max;
+        if (range->min < DEPTH_LIMIT) {
+            *range = mns_smooth_range(&depth->plane, bx, by);
         }
     }
 }
@@ -103,7 +107,7 @@ void mns_smooth_measure(struct backend *cpu)
 static bool reserve(struct backend *cpu, const struct frame *frame)
 {
     for (int i = 0; i < 2; i++) {
-        if (!resize(&cpu->depth[i], cpu->host.memory, &frame->view)) {
+        if (!mns_smooth_resize(&cpu->depth[i], cpu->host.memory, &frame->view)) {
             return false;
         }
     }
@@ -123,12 +127,29 @@ static bool reserve(struct backend *cpu, const struct frame *frame)
     return cpu->block_values != NULL;
 }
 
+/* Filters at half or quarter size: everything that they read of the frame in pixels is in its view. */
+static mns_result smooth_texels(struct backend *cpu, const struct frame *frame, filter_function *filter)
+{
+    struct frame small = *frame;
+    small.view = mns_resample_view(&frame->view, frame->params.smooth_scale);
+    if (!mns_resample_reserve(cpu, frame) || !reserve(cpu, &small)) {
+        return cpu_out_of_memory(cpu);
+    }
+    mns_resample_down(cpu, frame);
+    filter(cpu, &small);
+    mns_resample_up(cpu, frame);
+    return MNS_OK;
+}
+
 mns_result mns_cpu_smooth(struct backend *cpu, const struct frame *frame)
 {
     cpu->smoothed = &cpu->depth_raw;
     filter_function *filter = filters[frame->params.filter];
     if (!filter) {
         return MNS_OK;
+    }
+    if (frame->params.smooth_scale > 1) {
+        return smooth_texels(cpu, frame, filter);
     }
     if (!reserve(cpu, frame)) {
         return cpu_out_of_memory(cpu);

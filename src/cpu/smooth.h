@@ -9,9 +9,11 @@
 #include "cpu/smooth/lines.h"
 #include "cpu/smooth/narrow_range.h"
 #include "cpu/smooth/plane_fit.h"
+#include "cpu/smooth/resample.h"
 #include "cpu/smooth/spline.h"
 
 struct smooth_kernels {
+    const struct resample_kernels *resample;
     const struct narrow_range_kernels *narrow_range;
     const struct gaussian_kernels *gaussian;
     const struct bilateral_kernels *bilateral;

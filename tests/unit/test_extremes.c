@@ -50,6 +50,7 @@ static void any_params(uint64_t *seed, struct mns_params *params, int rarely)
         }
     }
     params->thickness_scale = params->thickness_scale == 3 ? 4 : params->thickness_scale;
+    params->smooth_scale = params->smooth_scale == 3 ? 4 : params->smooth_scale;
     params->iterations = params->iterations < ITERATIONS_MAX ? params->iterations : ITERATIONS_MAX; /* for the test's own time */
     params->mu = fminf(params->mu, params->delta);
 }

@@ -2,6 +2,7 @@
 #include "cpu/smooth.h"
 
 const struct smooth_kernels mns_smooth_kernels_scalar = {
+    .resample = &mns_resample_kernels_scalar,
     .narrow_range = &mns_narrow_range_kernels_scalar,
     .gaussian = &mns_gaussian_kernels_scalar,
     .bilateral = &mns_bilateral_kernels_scalar,

@@ -4,6 +4,7 @@
 #include "cpu/simd.h"
 
 const struct smooth_kernels SIMD_NAME(mns_smooth_kernels) = {
+    .resample = &SIMD_NAME(mns_resample_kernels),
     .narrow_range = &SIMD_NAME(mns_narrow_range_kernels),
     .gaussian = &SIMD_NAME(mns_gaussian_kernels),
     .bilateral = &SIMD_NAME(mns_bilateral_kernels),

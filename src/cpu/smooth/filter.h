@@ -30,6 +30,20 @@ void mns_smooth_copy_empty(struct backend *cpu, const struct depth_plane *start)
 /* ... and after their last: the ranges of cpu->smoothed. */
 void mns_smooth_measure(struct backend *cpu);
 
+/* The range of one block. */
+struct depth_range mns_smooth_range(const struct plane *depth, int bx, int by);
+
+/* Gives a plane its size; where that changes it, or its ranges are new, no block passes for empty. */
+bool mns_smooth_resize(struct depth_plane *plane, struct memory *memory, const struct view *view);
+
+/* Smoothing at part of the size (resample.h): the view of the texels; the planes it needs; cpu->depth_raw to texels in cpu->smoothed; and the
+ * smoothed texels back to pixels there. */
+struct view mns_resample_view(const struct view *view, int scale);
+bool mns_resample_reserve(struct backend *cpu, const struct frame *frame); /* false: out of memory */
+void mns_resample_down(struct backend *cpu, const struct frame *frame);
+void mns_resample_up(struct backend *cpu, const struct frame *frame);
+void mns_resample_destroy(struct backend *cpu);
+
 /* Memory of the filters that solve rows and columns, after the planes have their size. false: out of memory. */
 bool mns_implicit_flow_reserve(struct backend *cpu);
 bool mns_spline_reserve(struct backend *cpu);
