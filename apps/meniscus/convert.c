@@ -73,7 +73,7 @@ static int convert_frame(const struct source_frame *frame, const struct input *i
 static int convert_frames(const struct inputs *inputs, const struct plan *plan, const struct options *options, size_t *failed)
 {
     struct progress progress;
-    struct source *source = source_start(inputs, plan->needed, options);
+    struct source *source = source_start(inputs, plan->needed, options, NULL);
     int status = source ? STATUS_DONE : STATUS_FAILED;
     progress_begin(&progress, plan->count, options->quiet);
     while (status == STATUS_DONE && !program_signal()) {

@@ -2,6 +2,7 @@
 #include "option_table.h"
 
 #include "lab/run.h"
+#include "option_color.h"
 #include "option_sequence.h"
 #include "option_values.h"
 #include "preset.h"
@@ -416,12 +417,21 @@ const struct option_row option_table[] = {
     {"--delta", 0, "D", SMOOTHS, "delta", NULL, "depth range that is smoothed together, in splat radii"},
     {"--mu", 0, "M", SMOOTHS, "mu", NULL, "where what lies beyond counts, in splat radii"},
 
-    {"--display", 0, "MODE", DRAWS, "display", NULL, "beauty, opaque, spheres, normal, depth, thickness, curvature"},
+    {"--display", 0, "MODE", DRAWS, "display", NULL, "beauty, opaque, spheres, normal, depth, thickness, curvature, color"},
     {"--layer", 0, "NAME=FILE", COMMAND_RENDER, NULL, set_layer, "save a layer as .npy (a pattern in a sequence); repeatable"},
     {"--floor", 0, "on|off", DRAWS, "floor", NULL, "draw a floor (on)"},
     {"--sun", 0, "AZ,EL", DRAWS, NULL, set_sun, "where the sun stands, degrees about the up axis and above the horizon"},
     {"--exposure", 0, "EV", DRAWS, "exposure", NULL, "the picture's light times 2^EV"},
     {"--background", 0, "COLOR", DRAWS, NULL, set_background, "sky, transparent, or RRGGBB"},
+    {"--color-by", 0, "EXPR", COMMAND_RENDER, NULL, option_set_color_by,
+     "colour the particles, in display color unless another is asked for, by an attribute: velocity (its magnitude), velocity.y, density, or any expression as in --where"},
+    {"--colormap", 0, "NAME", COMMAND_RENDER, NULL, option_set_colormap,
+     "viridis, plasma, turbo, coolwarm, or a text file of colours, three numbers a line (viridis)"},
+    {"--range", 0, "A:B", COMMAND_RENDER, NULL, option_set_range,
+     "the values at the ends of the map; either may be left out (from the first, middle and last frame, without 0.5 % on each side)"},
+    {"--legend", 0, NULL, COMMAND_RENDER, NULL, option_set_legend, "draw the map with its values into the picture"},
+    {"--units", 0, "TEXT", COMMAND_RENDER, NULL, option_set_units,
+     "unit of the values, for the legend (m/s of velocity, kg/m^3 of density)"},
     {"--set", 0, "NAME=VALUE", SMOOTHS, NULL, set_parameter, "any parameter of the list below; repeatable"},
     {"--preset", 0, "NAME", SMOOTHS, NULL, set_preset,
      "parameters that go together, listed below; looks and options go before it; repeatable"},

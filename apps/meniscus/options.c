@@ -81,6 +81,9 @@ static int take_option(struct options *options, int *at, int count, char **argum
 static int apply_parameters(struct options *options)
 {
     struct mns_message message;
+    if (options->color.by) { /* the water's own tint would hide them */
+        options->params.display = MNS_DISPLAY_COLOR;
+    }
     for (size_t i = 0; i < options->preset_count; i++) {
         preset_apply(options->presets[i], &options->params);
     }
@@ -135,6 +138,10 @@ int options_parse(struct options *options, enum command command, int count, char
                 return status;
             }
         }
+    }
+    const struct color_options *color = &options->color;
+    if (!options->help && !color->by && (color->map || color->units || color->has_low || color->has_high || color->legend)) {
+        return program_usage("--colormap, --range, --legend and --units need --color-by");
     }
     return options->help ? STATUS_DONE : apply_parameters(options);
 }

@@ -40,6 +40,12 @@ struct camera_key {
     struct camera_options camera; /* with eye and target */
 };
 
+struct color_options {
+    const char *by, *map, *units; /* as given; NULL: not asked for */
+    bool has_low, has_high, legend;
+    double low, high;
+};
+
 struct options {
     enum command command;
     bool help;
@@ -62,6 +68,8 @@ struct options {
     const char *camera_file;
     struct camera_key *keys; /* [key_count], by rising frame; from the camera file */
     size_t key_count;
+
+    struct color_options color;
 
     struct setting *settings; /* [setting_count] in the order given; the last of a name wins */
     size_t setting_count;

@@ -1,5 +1,6 @@
 /* render.c: `meniscus render`: plans the pictures, and leads frames from the source over drawing to the sink. */
 #include "draw.h"
+#include "legend.h"
 #include "look.h"
 #include "plan.h"
 #include "program.h"
@@ -17,6 +18,7 @@ struct render {
     struct plan plan;
     struct outputs outputs;
     struct survey survey; /* of a sequence */
+    struct coloring coloring;
     struct drawing drawing;
     struct source *source;
     struct sink *sink;
@@ -66,8 +68,14 @@ static int begin(struct render *render, struct options *options)
     if (status == STATUS_DONE && options->save_look) {
         status = look_write(options->save_look, &options->params);
     }
+    if (status == STATUS_DONE && options->color.by) {
+        status = coloring_begin(&render->coloring, options);
+    }
     if (status == STATUS_DONE && render->inputs.count > 1) {
         status = survey_inputs(&render->survey, &render->inputs, options);
+    }
+    if (status == STATUS_DONE && options->color.by) {
+        coloring_survey(&render->coloring, render->inputs.count > 1 ? &render->survey : NULL);
     }
     if (status == STATUS_DONE && options->stats && !(render->stats = stats_create(options))) {
         status = program_fail("%s: out of memory", options->stats);
@@ -128,8 +136,10 @@ static int render_shot(struct render *render, const struct shot *shot, const str
     picture->number = shot->number;
     picture->input = input->path;
     picture->times.read_ms = frame->read_ms;
-    int status = draw_picture(&render->drawing, mns_particle_set_particles(frame->set), &moment, picture->images, render->outputs.count,
-                              &picture->stats);
+    int status = draw_picture(&render->drawing, &frame->particles, &moment, picture->images, render->outputs.count, &picture->stats);
+    if (status == STATUS_DONE && render->options->color.legend) {
+        status = legend_draw(&render->coloring, &frame->painted, picture->images, render->outputs.count);
+    }
     if (status == STATUS_DONE) {
         sink_put(render->sink, picture);
     } else {
@@ -164,7 +174,9 @@ static int stream(struct render *render)
     progress_begin(&render->progress, render->plan.skipped + render->plan.count, render->options->quiet);
     progress_skip(&render->progress, render->plan.skipped);
     render->sink = sink_start(&render->outputs, render->plan.count, report, render);
-    render->source = render->sink ? source_start(&render->inputs, render->plan.needed, render->options) : NULL;
+    render->source = render->sink ? source_start(&render->inputs, render->plan.needed, render->options,
+                                                 render->options->color.by ? &render->coloring : NULL)
+                                  : NULL;
     int status = render->source ? STATUS_DONE : STATUS_FAILED;
     while (status == STATUS_DONE && !program_signal()) {
         struct source_frame *frame = source_next(render->source);

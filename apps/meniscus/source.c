@@ -13,6 +13,7 @@ struct source {
     const struct inputs *inputs;
     const bool *wanted;
     const struct options *options;
+    const struct coloring *coloring;
     size_t next; /* input to ask for */
     struct crew *crew;
     struct source_frame *idle[FRAMES];
@@ -24,8 +25,18 @@ static void read_frame(void *context, void *item)
 {
     const struct source *source = context;
     struct source_frame *frame = item;
+    const char *path = source->inputs->list[frame->input].path;
     double start = program_seconds();
-    load_particles_quietly(&frame->set, source->inputs->list[frame->input].path, source->options, &frame->notes, &frame->message);
+    mns_result result = load_particles_quietly(&frame->set, path, source->options, &frame->notes, &frame->message);
+    if (result == MNS_OK) {
+        frame->particles = *mns_particle_set_particles(frame->set);
+    }
+    if (result == MNS_OK && source->coloring) {
+        result = coloring_paint(source->coloring, frame->set, path, &frame->painted, &frame->particles, &frame->message);
+    }
+    if (result != MNS_OK) {
+        mns_particle_set_destroy(&frame->set);
+    }
     frame->read_ms = 1e3 * (program_seconds() - start);
 }
 
@@ -45,11 +56,11 @@ static void ask(struct source *source)
     }
 }
 
-struct source *source_start(const struct inputs *inputs, const bool *wanted, const struct options *options)
+struct source *source_start(const struct inputs *inputs, const bool *wanted, const struct options *options, const struct coloring *coloring)
 {
     struct source *source = calloc(1, sizeof(*source));
     if (source) {
-        *source = (struct source){.inputs = inputs, .wanted = wanted, .options = options};
+        *source = (struct source){.inputs = inputs, .wanted = wanted, .options = options, .coloring = coloring};
         source->crew = crew_start(READERS, AHEAD, read_frame, source);
     }
     if (!source || !source->crew) {
@@ -75,6 +86,7 @@ struct source_frame *source_next(struct source *source)
 void source_release(struct source *source, struct source_frame *frame)
 {
     if (frame) {
+        painted_free(&frame->painted);
         mns_particle_set_destroy(&frame->set);
         source->idle[source->idle_count++] = frame;
     }
@@ -87,6 +99,7 @@ void source_stop(struct source *source)
     }
     crew_stop(source->crew);
     for (size_t i = 0; i < FRAMES; i++) {
+        painted_free(&source->frames[i].painted);
         mns_particle_set_destroy(&source->frames[i].set);
     }
     free(source);

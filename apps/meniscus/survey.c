@@ -1,6 +1,7 @@
 /* survey.c: what is the same for all frames of a sequence. */
 #include "survey.h"
 
+#include "coloring.h"
 #include "load.h"
 #include "program.h"
 
@@ -53,6 +54,19 @@ static void merge(struct survey *survey, const struct mns_measure measures[FRAME
 
 void survey_from_measure(struct survey *survey, const struct mns_measure *measure) { merge(survey, measure, 1); }
 
+/* Widens the range of values by one set's. */
+static mns_result add_values(struct survey *survey, const struct options *options, const mns_particle_set *set, const char *path,
+                             struct mns_message *message)
+{
+    double low, high;
+    mns_result result = coloring_range(options->color.by, set, path, &low, &high, message);
+    if (result == MNS_OK) {
+        survey->value_low = fmin(survey->value_low, low);
+        survey->value_high = fmax(survey->value_high, high);
+    }
+    return result;
+}
+
 int survey_inputs(struct survey *survey, const struct inputs *inputs, const struct options *options)
 {
     const size_t chosen[FRAMES] = {0, (inputs->count - 1) / 2, inputs->count - 1};
@@ -61,6 +75,7 @@ int survey_inputs(struct survey *survey, const struct inputs *inputs, const stru
     silent.verbose = false;
     struct mns_measure measures[FRAMES];
     struct mns_message message = {""};
+    struct survey values = {.value_low = INFINITY, .value_high = -INFINITY};
     int count = 0;
     for (int k = 0; k < FRAMES; k++) {
         if (k > 0 && chosen[k] == chosen[k - 1]) {
@@ -70,6 +85,9 @@ int survey_inputs(struct survey *survey, const struct inputs *inputs, const stru
         mns_result result = load_particles(&set, inputs->list[chosen[k]].path, &silent, &message);
         if (result == MNS_OK) {
             result = mns_particles_measure(mns_particle_set_particles(set), NULL, &measures[count], &message);
+            if (result == MNS_OK && options->color.by) {
+                result = add_values(&values, options, set, inputs->list[chosen[k]].path, &message);
+            }
             mns_particle_set_destroy(&set);
         }
         count += result == MNS_OK;
@@ -78,6 +96,8 @@ int survey_inputs(struct survey *survey, const struct inputs *inputs, const stru
         return program_fail("%s", message.text);
     }
     merge(survey, measures, count);
+    survey->value_low = values.value_low;
+    survey->value_high = values.value_high;
     return STATUS_DONE;
 }
 

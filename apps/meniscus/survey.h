@@ -10,6 +10,7 @@ struct survey {
     double inner_min[3], inner_max[3];   /* metres: without the outermost 0.1 % on each side */
     double radius;                       /* metres: median over the frames; 0: unknown */
     double spacing;                      /* metres: the same */
+    double value_low, value_high;        /* of --color-by; low > high: unknown */
     size_t count;                        /* particles of the largest frame */
 };
 

@@ -4,6 +4,7 @@
 #ifndef MENISCUS_IO_H
 #define MENISCUS_IO_H
 
+#include <meniscus/colormap.h>
 #include <meniscus/common.h>
 #include <meniscus/particles.h>
 
@@ -76,6 +77,11 @@ MNS_API size_t mns_particle_set_dropped(const mns_particle_set *set);    /* drop
 MNS_API size_t mns_particle_set_attribute_count(const mns_particle_set *set);
 MNS_API const struct mns_attribute *mns_particle_set_attribute(const mns_particle_set *set, size_t index); /* NULL: out of range */
 
+/* A number for each particle from an expression over attributes, as in `where`: "density", "velocity" (its magnitude), "velocity.y", "x * x + z * z".
+ * out: [count]. name (may be NULL) stands in messages. Errors: invalid argument, with the place in the expression and the set's attributes. */
+MNS_API mns_result mns_particle_set_evaluate(const mns_particle_set *set, const char *name, const char *expression, double *out,
+                                             struct mns_message *message);
+
 /* The files of a ParaView collection (.pvd) in order of time; parts of one time follow each other as in the file. */
 struct mns_pvd_step {
     double time;
@@ -86,6 +92,10 @@ MNS_API mns_result mns_pvd_read(mns_pvd **out, const char *path, struct mns_mess
 MNS_API size_t mns_pvd_count(const mns_pvd *pvd);
 MNS_API const struct mns_pvd_step *mns_pvd_get(const mns_pvd *pvd, size_t index); /* NULL: out of range */
 MNS_API void mns_pvd_destroy(mns_pvd **pvd);
+
+/* A colour map from a text file: a line per colour, evenly spaced, of three numbers: 0 to 1, or 0 to 255 where one is above 1; sRGB. Blanks,
+ * commas or semicolons between them; empty lines and what follows a # are skipped; a fourth number in front (a position) is not read. */
+MNS_API mns_result mns_colormap_read(struct mns_colormap *out, const char *path, struct mns_message *message);
 
 /* Writers. Each writes beside `path` and renames, so that the file appears whole or not at all.
  * PNG takes U8 or U16 with 1 to 4 channels; .npy takes float32, shape [h][w] or [h][w][channels]. */

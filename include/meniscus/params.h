@@ -34,7 +34,8 @@ enum mns_display {
     MNS_DISPLAY_NORMAL = 3,    /* view-space normal as 0.5 n + 0.5 */
     MNS_DISPLAY_DEPTH = 4,     /* near white, far dark, over the picture's own range */
     MNS_DISPLAY_THICKNESS = 5, /* dark none, bright thick, over the picture's own range */
-    MNS_DISPLAY_CURVATURE = 6  /* [LGS09] fig. 8: green positive, red negative */
+    MNS_DISPLAY_CURVATURE = 6, /* [LGS09] fig. 8: green positive, red negative */
+    MNS_DISPLAY_COLOR = 7      /* the particles' colours as they are, darker where the surface turns away: to be compared with a legend */
 };
 
 enum mns_thickness_mode {

@@ -2,6 +2,7 @@
 #include <meniscus/params.h>
 
 #include "core/message.h"
+#include "core/names.h"
 
 #include <math.h>
 #include <stdbool.h>
@@ -22,7 +23,7 @@ static const char *const filters[] = {"none",
                                       "plane-fit",
                                       "smoothing-spline",
                                       NULL};
-static const char *const displays[] = {"beauty", "opaque", "spheres", "normal", "depth", "thickness", "curvature", NULL};
+static const char *const displays[] = {"beauty", "opaque", "spheres", "normal", "depth", "thickness", "curvature", "color", NULL};
 static const char *const thickness_modes[] = {"volume", "chord", NULL};
 static const char *const thickness_scales[] = {"auto", "1", "2", "", "4", NULL}; /* index = value; "" is no choice */
 static const char *const smooth_scales[] = {"", "1", "2", "", "4", NULL};
@@ -166,36 +167,12 @@ void mns_params_init_sized(struct mns_params *params, size_t size)
     params->struct_size = size;
 }
 
-/* Edits that turn a into b (Levenshtein), for names of up to 63 characters. */
-static int distance(const char *a, const char *b)
-{
-    int row[64];
-    int length = (int)strlen(b);
-    if (length > 63) {
-        return length;
-    }
-    for (int j = 0; j <= length; j++) {
-        row[j] = j;
-    }
-    for (int i = 1; *a; i++, a++) {
-        int diagonal = row[0];
-        row[0] = i;
-        for (int j = 1; j <= length; j++) {
-            int above = row[j], replaced = diagonal + (*a != b[j - 1]);
-            int inserted = (row[j - 1] < above ? row[j - 1] : above) + 1;
-            row[j] = replaced < inserted ? replaced : inserted;
-            diagonal = above;
-        }
-    }
-    return row[length];
-}
-
 static mns_result fail_name(struct mns_message *message, const char *name)
 {
     const struct mns_param *nearest = NULL;
     int best = 0;
     for (size_t i = 0; i < ROWS; i++) {
-        int edits = distance(name, table[i].name);
+        int edits = mns_name_distance(name, table[i].name);
         if (!nearest || edits < best) {
             best = edits;
             nearest = &table[i];

@@ -38,6 +38,25 @@ struct display_range mns_display_measure(const struct backend *cpu, const struct
     return range;
 }
 
+/* A lamp beside the eye, in image space, unit; and the light that a surface gets which it does not reach: enough to tell the colour. */
+static const float LAMP[3] = {-0.30f, -0.43f, -0.8515f};
+static const float LIGHT_LEAST = 0.5f;
+
+void mns_display_color(const struct shade_optics *optics, bool has_color, struct shade_row *row)
+{
+    const float *scene = optics->scene + 4 * (row->y * optics->scene_stride + row->x);
+    for (int i = 0; i < row->count; i++) {
+        bool fluid = row->nz[i] != 0;
+        float towards = row->nx[i] * LAMP[0] + row->ny[i] * LAMP[1] + row->nz[i] * LAMP[2];
+        float light = LIGHT_LEAST + (1 - LIGHT_LEAST) * fminf(fmaxf(towards, 0), 1);
+        for (int c = 0; c < 3; c++) {
+            float own = has_color ? fminf(fmaxf(row->color[c][i], 0), 1) : optics->opaque[c];
+            row->out[c][i] = fluid ? own * light : scene[4 * i + c];
+        }
+        row->out[3][i] = fluid ? 1 : scene[4 * i + 3];
+    }
+}
+
 static void show_curvature(float per_radius, float out[3])
 {
     float shown = CURVATURE_GAIN * per_radius;

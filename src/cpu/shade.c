@@ -158,6 +158,7 @@ static void draw(struct shade_run *run, struct shade_row *row, const float *curv
         break;
     case MNS_DISPLAY_OPAQUE:
     case MNS_DISPLAY_SPHERES: kernels->opaque(&run->optics, run->has_color, row); break;
+    case MNS_DISPLAY_COLOR: mns_display_color(&run->optics, run->has_color, row); break;
     default: mns_display_row(run->frame, &run->range, row, curvature); break;
     }
 }

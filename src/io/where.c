@@ -1,4 +1,4 @@
-/* where.c: expressions that pick particles: "type == 0 && density > 200".
+/* where.c: expressions that pick particles, "type == 0 && density > 200", or give each a number, "velocity.y".
  *
  *   or      = and { "||" and }                 compare = sum [ ("==" | "!=" | "<" | "<=" | ">" | ">=") sum ]
  *   and     = compare { "&&" compare }         sum     = product { ("+" | "-") product }
@@ -43,6 +43,7 @@ struct instruction {
 
 struct compiler {
     struct read_context *context;
+    const char *what; /* "where", for messages */
     const char *text, *at;
     struct instruction *program; /* [PROGRAM_MAX] */
     int length, stack, stack_most, nesting;
@@ -52,7 +53,7 @@ struct compiler {
 static void fail(struct compiler *compiler, const char *what)
 {
     if (!compiler->failed) {
-        mns_read_fail(compiler->context, MNS_ERR_INVALID_ARGUMENT, "where '%.300s': column %d: %s", compiler->text,
+        mns_read_fail(compiler->context, MNS_ERR_INVALID_ARGUMENT, "%s '%.300s': column %d: %s", compiler->what, compiler->text,
                       (int)(compiler->at - compiler->text) + 1, what);
     }
     compiler->failed = true;
@@ -369,7 +370,8 @@ static void run_operation(enum operation operation, double *restrict a, const do
     }
 }
 
-static void run_block(const struct compiler *program, double *stack, size_t start, size_t count, uint8_t *keep)
+/* The values of count particles from start on, in stack. */
+static void run_block(const struct compiler *program, double *stack, size_t start, size_t count)
 {
     double *top = stack; /* the next free row */
     for (int i = 0; i < program->length; i++) {
@@ -393,39 +395,60 @@ static void run_block(const struct compiler *program, double *stack, size_t star
             break;
         }
     }
-    for (size_t k = 0; k < count; k++) {
-        keep[start + k] &= stack[k] < 0.0 || stack[k] > 0.0; /* NaN is not true */
+}
+
+/* keep or values, whichever is not NULL. */
+static mns_result run(struct compiler *compiler, uint8_t *keep, double *values)
+{
+    struct read_context *context = compiler->context;
+    size_t count = context->set->count, rows = (size_t)compiler->stack_most + 1; /* one above, which operations on one operand name */
+    double *stack = mns_read_alloc(context, rows * BLOCK, sizeof(*stack));
+    if (!stack) {
+        return MNS_ERR_OUT_OF_MEMORY;
     }
+    for (size_t start = 0; start < count; start += BLOCK) {
+        size_t n = count - start < BLOCK ? count - start : BLOCK;
+        run_block(compiler, stack, start, n);
+        for (size_t k = 0; k < n && keep; k++) {
+            keep[start + k] &= stack[k] < 0.0 || stack[k] > 0.0; /* NaN is not true */
+        }
+        if (values) {
+            memcpy(values + start, stack, n * sizeof(*values));
+        }
+    }
+    mns_read_free(context, stack, rows * BLOCK, sizeof(*stack));
+    return MNS_OK;
+}
+
+static mns_result evaluate(struct read_context *context, const char *what, const char *expression, uint8_t *keep, double *values)
+{
+    struct compiler compiler = {.context = context, .what = what, .text = expression, .at = expression};
+    compiler.program = mns_read_alloc(context, PROGRAM_MAX, sizeof(*compiler.program));
+    if (!compiler.program) {
+        return MNS_ERR_OUT_OF_MEMORY;
+    }
+    compile(&compiler);
+    mns_result result = compiler.failed ? MNS_ERR_INVALID_ARGUMENT : run(&compiler, keep, values);
+    mns_read_free(context, compiler.program, PROGRAM_MAX, sizeof(*compiler.program));
+    return result;
 }
 
 mns_result mns_where(struct read_context *context, const char *expression, uint8_t *keep)
 {
-    struct compiler compiler = {.context = context, .text = expression, .at = expression};
-    size_t count = context->set->count, rows = 0;
-    double *stack = NULL;
-    mns_result result = MNS_ERR_OUT_OF_MEMORY;
-    compiler.program = mns_read_alloc(context, PROGRAM_MAX, sizeof(*compiler.program));
-    if (!compiler.program) {
-        return result;
+    return evaluate(context, "where", expression, keep, NULL);
+}
+
+mns_result mns_particle_set_evaluate(const mns_particle_set *set, const char *name, const char *expression, double *out,
+                                     struct mns_message *message)
+{
+    struct mns_message unread;
+    struct mns_read_params params;
+    if (!set || !expression || (!out && set->count > 0)) {
+        return mns_fail(message, MNS_ERR_INVALID_ARGUMENT, "mns_particle_set_evaluate: set, expression or out is NULL");
     }
-    compile(&compiler);
-    if (compiler.failed) {
-        result = MNS_ERR_INVALID_ARGUMENT;
-        goto done;
-    }
-    rows = (size_t)compiler.stack_most + 1; /* one above, which the operations on one operand name */
-    stack = mns_read_alloc(context, rows * BLOCK, sizeof(*stack));
-    if (!stack) {
-        goto done;
-    }
-    for (size_t start = 0; start < count; start += BLOCK) {
-        run_block(&compiler, stack, start, count - start < BLOCK ? count - start : BLOCK, keep);
-    }
-    result = MNS_OK;
-done:
-    if (stack) {
-        mns_read_free(context, stack, rows * BLOCK, sizeof(*stack));
-    }
-    mns_read_free(context, compiler.program, PROGRAM_MAX, sizeof(*compiler.program));
-    return result;
+    mns_read_params_init(&params);
+    mns_particle_set view = *set; /* with an account of memory of its own: many threads may read the set */
+    mns_memory_init(&view.memory, &set->memory.allocator);
+    struct read_context context = {.path = name, .params = &params, .message = message ? message : &unread, .set = &view};
+    return evaluate(&context, "value", expression, NULL, out);
 }

@@ -275,7 +275,7 @@ static void test_scale_and_threads_change_nothing(void **state)
 {
     (void)state;
     static uint8_t pictures[2][PIXELS * 4];
-    for (int display = MNS_DISPLAY_BEAUTY; display <= MNS_DISPLAY_CURVATURE; display++) {
+    for (int display = MNS_DISPLAY_BEAUTY; display <= MNS_DISPLAY_COLOR; display++) {
         draw_sphere(1, 1, MNS_ISA_AUTO, display, pictures[0]);
         static const int threads[] = {2, 7};
         for (int i = 0; i < 2; i++) {
