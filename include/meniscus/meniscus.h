@@ -3,6 +3,7 @@
 #define MENISCUS_H
 
 #include <meniscus/camera.h>
+#include <meniscus/classify.h>
 #include <meniscus/colormap.h>
 #include <meniscus/common.h>
 #include <meniscus/params.h>

@@ -51,6 +51,12 @@ enum mns_background {
     MNS_BACKGROUND_TRANSPARENT = 2 /* nothing: RGBA with alpha = 1 - mean transmittance */
 };
 
+enum mns_foam {
+    MNS_FOAM_NONE = 0,
+    MNS_FOAM_NOISE = 1,  /* [LGS09] 3.4: noise on the surface, and grey foam where it is large */
+    MNS_FOAM_LAYERED = 2 /* [BSW10] 5: foam before, in and behind the water */
+};
+
 enum mns_axis { MNS_AXIS_X = 0, MNS_AXIS_Y = 1, MNS_AXIS_Z = 2 };
 
 /* All parameters. Plain values: copy freely. The table tells each one's range, default and meaning at length. */
@@ -111,6 +117,24 @@ struct mns_params {
     float sun_elevation;       /* degrees above the horizon */
     float sun_intensity;       /* times the default sun */
     float exposure;            /* EV: the picture times 2^exposure */
+
+    /* Foam. */
+    int foam; /* enum mns_foam */
+
+    /* Which particles are foam, spray or noisy (meniscus/classify.h). V = sqrt(gravity L) and V / gravity are the fluid's own speed and time. */
+    float gravity;         /* m/s^2 */
+    float surface_tension; /* N/m: sigma of [BSW10] eq. 5; 0 (auto): such that We = 1 at the speed V */
+    float foam_weber_low;  /* We from which on there is some foam */
+    float foam_weber_high; /* We from which on a particle is foam alone */
+    float foam_air;        /* part of a particle's surroundings that must be air for it to foam in full; 0: foam anywhere */
+    float foam_lifetime;   /* s that foam lasts after its cause, its fading included; -1 (auto): by L and gravity */
+    float foam_fade_in;    /* s in which it grows from a point; -1 (auto) */
+    float foam_fade_out;   /* s in which it shrinks at the end; -1 (auto) */
+    float spray_low;       /* density over that of the fluid at rest up to which a particle is spray alone */
+    float spray_high;      /* the same, from which on it is no spray */
+    float noise_tau;       /* m/s: change of velocity between frames that makes noise, [LGS09] eq. 12; -1 (auto) */
+    float noise_cooldown;  /* s until that noise is gone; -1 (auto) */
+    float noise_calm;      /* noise of particles as fast as foam_weber_high says, with no such change */
 };
 
 /* All defaults. size: sizeof(struct mns_params) as the caller knows it. */
@@ -127,7 +151,7 @@ enum mns_param_type {
 /* One row of the table. All strings are static. */
 struct mns_param {
     const char *name;  /* the field's name, as in --set NAME=VALUE */
-    const char *group; /* "particles", "thickness", "smoothing", "water", "scene" */
+    const char *group; /* "particles", "thickness", "smoothing", "water", "scene", "foam" */
     enum mns_param_type type;
     int components;          /* 1, or 3 for colours */
     size_t offset;           /* in struct mns_params */

@@ -28,7 +28,7 @@ void mns_frame_init_sized(struct mns_frame *frame, size_t size)
     frame->struct_size = size;
 }
 
-static mns_result resolve_params(struct mns_params *out, const struct mns_params *in, struct mns_message *message)
+mns_result mns_params_resolve(struct mns_params *out, const struct mns_params *in, struct mns_message *message)
 {
     mns_params_init(out);
     if (in) {
@@ -139,8 +139,7 @@ static float reference_depth(const struct view *view, const struct particle_fact
     return depth > view->near_plane ? depth : view->near_plane;
 }
 
-/* Radii, rest volumes, and what follows from the fluid's size. */
-static void resolve_sizes(struct frame *out)
+void mns_frame_resolve_sizes(struct frame *out)
 {
     const struct mns_params *params = &out->params;
     const struct particle_facts *facts = out->facts;
@@ -217,7 +216,7 @@ mns_result mns_frame_resolve(struct frame *out, const struct mns_frame *in, cons
     }
     mns_result result = mns_view_resolve(&out->view, in->camera, facts->origin, message);
     if (result == MNS_OK) {
-        result = resolve_params(&out->params, in->params, message);
+        result = mns_params_resolve(&out->params, in->params, message);
     }
     if (result == MNS_OK) {
         result = check_outputs(out, in, message);
@@ -231,7 +230,7 @@ mns_result mns_frame_resolve(struct frame *out, const struct mns_frame *in, cons
             out->params.iterations = default_iterations(out->params.filter);
         }
         out->depth_reference = reference_depth(&out->view, facts);
-        resolve_sizes(out);
+        mns_frame_resolve_sizes(out);
         resolve_look(out);
     }
     return result;

@@ -62,6 +62,12 @@ struct frame {
     float absorption[3];   /* 1/metre */
 };
 
+/* The caller's parameters checked, with defaults for what an older caller does not know and where in is NULL. */
+mns_result mns_params_resolve(struct mns_params *out, const struct mns_params *in, struct mns_message *message);
+
+/* Radii, rest volumes, and what follows from the fluid's size: from params and facts, which must be set. */
+void mns_frame_resolve_sizes(struct frame *frame);
+
 /* Checks the caller's frame and resolves it against the prepared particles. */
 mns_result mns_frame_resolve(struct frame *out, const struct mns_frame *in, const struct particle_facts *facts,
                              struct mns_message *message);

@@ -29,6 +29,7 @@ static const char *const thickness_scales[] = {"auto", "1", "2", "", "4", NULL};
 static const char *const smooth_scales[] = {"", "1", "2", "", "4", NULL};
 static const char *const fresnels[] = {"exact", "schlick", NULL};
 static const char *const backgrounds[] = {"sky", "color", "transparent", NULL};
+static const char *const foams[] = {"none", "noise", "layered", NULL};
 static const char *const axes[] = {"x", "y", "z", NULL};
 
 #define AT(field) .name = #field, .offset = offsetof(struct mns_params, field)
@@ -115,6 +116,36 @@ static const struct mns_param table[] = {
     {FLOAT(sun_elevation, 1, 90, 48), .unit = "deg", .group = "scene", .help = "height of the sun above the horizon"},
     {FLOAT(sun_intensity, 0, 100, 1), .unit = "", .group = "scene", .help = "scales the sun's light"},
     {FLOAT(exposure, -20, 20, 0), .unit = "EV", .group = "scene", .help = "the picture's light times 2^exposure"},
+
+    {ENUM(foam, foams, MNS_FOAM_NONE), .unit = "", .group = "foam",
+     .help = "noise: a moving pattern of small waves and grey foam ([LGS09] 3.4); layered: foam before, in and behind the water ([BSW10])"},
+    {FLOAT(gravity, 1e-9, 1e9, 9.81), .unit = "m/s^2", .group = "foam",
+     .help = "of the scene, in its own unit of length; V = sqrt(gravity L) is the fluid's own speed, V / gravity its own time"},
+    {FLOAT(surface_tension, 1e-12, 1e12, 0), AUTO, .unit = "N/m", .group = "foam",
+     .help = "sigma of the Weber number ([BSW10] eq. 5); auto: such that it is 1 at the speed V, whatever the size of scene and particles"},
+    {FLOAT(foam_weber_low, 0, 1e12, 0.5), .unit = "", .group = "foam", .help = "Weber number from which on there is some foam"},
+    {FLOAT(foam_weber_high, 0, 1e12, 1), .unit = "", .group = "foam",
+     .help = "Weber number from which on a particle is foam and no water; at least foam_weber_low"},
+    {FLOAT(foam_air, 0, 1, 0.1), .unit = "", .group = "foam",
+     .help =
+         "part of a particle's surroundings that must be air (by its density) for it to foam in full, a fifth for it to foam at all; 0: "
+         "anywhere, as in [BSW10]"},
+    {FLOAT(foam_lifetime, 0, 1e9, -1), AUTO, .unit = "s", .group = "foam",
+     .help = "how long foam lasts after its cause, its fading included; auto: 4 V / gravity"},
+    {FLOAT(foam_fade_in, 0, 1e9, -1), AUTO, .unit = "s", .group = "foam",
+     .help = "in which foam grows from a point; auto: V / gravity / 2"},
+    {FLOAT(foam_fade_out, 0, 1e9, -1), AUTO, .unit = "s", .group = "foam",
+     .help = "in which foam shrinks at the end of its life; auto: 1.5 V / gravity"},
+    {FLOAT(spray_low, 0, 10, 0.3), .unit = "", .group = "foam",
+     .help = "density, over that of the fluid at rest, up to which a particle is spray and no water; one alone has about 0.25"},
+    {FLOAT(spray_high, 0, 10, 0.5), .unit = "", .group = "foam",
+     .help = "the same from which on it is no spray; a sheet of one layer has about 0.55; at least spray_low"},
+    {FLOAT(noise_tau, 0, 1e9, -1), AUTO, .unit = "m/s", .group = "foam",
+     .help =
+         "change of velocity from frame to frame that makes a particle noisy ([LGS09] eq. 12); auto: 0.15 V and what a free fall gains"},
+    {FLOAT(noise_cooldown, 0, 1e9, -1), AUTO, .unit = "s", .group = "foam", .help = "until such noise is gone; auto: 2 V / gravity"},
+    {FLOAT(noise_calm, 0, 1, 0.3), .unit = "", .group = "foam",
+     .help = "noise without such a change, of particles with the Weber number foam_weber_high; less where they are slower"},
 };
 
 enum { ROWS = sizeof(table) / sizeof(table[0]) };
@@ -401,6 +432,15 @@ mns_result mns_params_check(const struct mns_params *params, struct mns_message 
     if (params->mu > params->delta) {
         return mns_fail(message, MNS_ERR_INVALID_ARGUMENT, "mu is %g and delta %g; mu must be at most delta", (double)params->mu,
                         (double)params->delta);
+    }
+    if (params->foam_weber_low > params->foam_weber_high) {
+        return mns_fail(message, MNS_ERR_INVALID_ARGUMENT,
+                        "foam_weber_low is %g and foam_weber_high %g; the low one must be at most the high one",
+                        (double)params->foam_weber_low, (double)params->foam_weber_high);
+    }
+    if (params->spray_low > params->spray_high) {
+        return mns_fail(message, MNS_ERR_INVALID_ARGUMENT, "spray_low is %g and spray_high %g; the low one must be at most the high one",
+                        (double)params->spray_low, (double)params->spray_high);
     }
     return MNS_OK;
 }

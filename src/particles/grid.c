@@ -4,6 +4,7 @@
 #include "core/attr.h"
 #include "core/message.h"
 #include "cpu/measure.h"
+#include "particles/sample.h"
 
 #include <math.h>
 #include <stdbool.h>
@@ -44,13 +45,6 @@ struct fill {
     double cell_origin[3], cells_per_metre; /* relative to the grid's origin */
 };
 
-/* Part i of n things in `slices` parts. */
-static size_t slice_begin(size_t count, int slice, int slices)
-{
-    size_t i = (size_t)slice, n = (size_t)slices;
-    return count / n * i + count % n * i / n;
-}
-
 static inline bool world_position(const struct mns_attr *position, enum mns_type type, size_t i, double p[3])
 {
     for (int k = 0; k < 3; k++) {
@@ -62,8 +56,8 @@ static inline bool world_position(const struct mns_attr *position, enum mns_type
 static inline void bounds_loop(struct fill *fill, int slice, enum mns_type type)
 {
     double min[3] = {INFINITY, INFINITY, INFINITY}, max[3] = {-INFINITY, -INFINITY, -INFINITY}, p[3];
-    size_t finite = 0, end = slice_begin(fill->particles->count, slice + 1, fill->slices);
-    for (size_t i = slice_begin(fill->particles->count, slice, fill->slices); i < end; i++) {
+    size_t finite = 0, end = mns_part_begin(fill->particles->count, slice + 1, fill->slices);
+    for (size_t i = mns_part_begin(fill->particles->count, slice, fill->slices); i < end; i++) {
         if (!world_position(&fill->particles->position, type, i, p)) {
             continue;
         }
@@ -133,21 +127,13 @@ static inline bool position_of(const struct fill *fill, enum mns_type type, size
 
 /* ---- the size of the torus ---- */
 
-/* One particle of each run of `step`, at a place in it that no order of the particles follows. */
-static size_t sample_index(size_t run, size_t step)
-{
-    uint32_t hash = (uint32_t)run * 2654435761u;
-    hash = (hash ^ hash >> 15) * 2246822519u;
-    return run * step + (hash ^ hash >> 13) % step;
-}
-
 /* Widths of the box that holds all but the strays: 0.5 % on either side of each axis. */
 static void inner_extent(const struct fill *fill, double extent[3])
 {
     const struct mns_particles *in = fill->particles;
     size_t step = in->count / SAMPLE + 1, taken = 0;
     for (size_t run = 0; run * step < in->count && taken < SAMPLE; run++) {
-        size_t i = sample_index(run, step);
+        size_t i = mns_sample_index(run, step);
         float p[3];
         if (i < in->count && position_of(fill, in->position.type, i, p)) {
             for (int k = 0; k < 3; k++) {
@@ -223,8 +209,8 @@ static inline void entries_loop(struct fill *fill, int slice, enum mns_type type
     for (int before = 0; before < slice; before++) {
         out += fill->work->part[before].finite;
     }
-    size_t end = slice_begin(fill->particles->count, slice + 1, fill->slices);
-    for (size_t i = slice_begin(fill->particles->count, slice, fill->slices); i < end; i++) {
+    size_t end = mns_part_begin(fill->particles->count, slice + 1, fill->slices);
+    for (size_t i = mns_part_begin(fill->particles->count, slice, fill->slices); i < end; i++) {
         float p[3];
         if (position_of(fill, type, i, p)) {
             *out = (struct entry){.cell = cell_of(fill, p), .index = (uint32_t)i};
@@ -344,9 +330,9 @@ static uint32_t cell_from(const struct grid *grid, size_t i)
 
 struct grid_run mns_grid_part(const struct grid *grid, int part, int parts)
 {
-    struct grid_run run = {cell_from(grid, slice_begin(grid->count, part, parts)), grid->cells};
+    struct grid_run run = {cell_from(grid, mns_part_begin(grid->count, part, parts)), grid->cells};
     if (part + 1 < parts) {
-        run.end = cell_from(grid, slice_begin(grid->count, part + 1, parts));
+        run.end = cell_from(grid, mns_part_begin(grid->count, part + 1, parts));
     }
     return run;
 }

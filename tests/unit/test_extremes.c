@@ -53,6 +53,8 @@ static void any_params(uint64_t *seed, struct mns_params *params, int rarely)
     params->smooth_scale = params->smooth_scale == 3 ? 4 : params->smooth_scale;
     params->iterations = params->iterations < ITERATIONS_MAX ? params->iterations : ITERATIONS_MAX; /* for the test's own time */
     params->mu = fminf(params->mu, params->delta);
+    params->foam_weber_low = fminf(params->foam_weber_low, params->foam_weber_high);
+    params->spray_low = fminf(params->spray_low, params->spray_high);
 }
 
 /* Looks at, past or out of a ball of fluid of radius `size` around `center`. */
