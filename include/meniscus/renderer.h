@@ -97,6 +97,23 @@ struct mns_scene {
     struct mns_image depth; /* 1 channel, float32, metres along the view axis, +inf for nothing; data NULL: all +inf */
 };
 
+/* One pixel of opaque things that stand under the renderer's own sky and on its floor. What hits nothing has zeros, depths of +inf, and 1 for the floor. */
+struct mns_object_pixel {
+    float color
+        [4]; /* linear light of what the pixel's samples hit, without the sun's, times the part of the pixel that is hit; that part, 0 to 1 */
+    float sunlit[3];            /* the sun's light alone, times that part, as if there were no fluid: the fluid's shadow falls on it */
+    float depth;                /* metres along the view axis at the pixel's centre; +inf where its ray hits nothing */
+    float reach;                /* metres: where the sun's light is dimmed by the fluid; the mean depth of what the samples hit */
+    float floor_sun, floor_sky; /* parts of the sun's and of the sky's light that reach the floor seen at the pixel, 0 to 1 */
+};
+
+/* A picture of such things, by the same camera. Whoever draws them asks mns_renderer_light for the light. */
+struct mns_objects {
+    const struct mns_object_pixel *pixels; /* [height][width], row 0 at the top */
+    int width, height;                     /* the camera's */
+    const int *spans;                      /* [height][2]: first pixel that is not empty, and the one behind the last; NULL: whole rows */
+};
+
 /* One picture to draw. */
 struct mns_frame {
     size_t struct_size;               /* set by mns_frame_init */
@@ -105,6 +122,7 @@ struct mns_frame {
     const struct mns_scene *scene;    /* NULL: sky and floor as params say */
     const struct mns_output *outputs; /* [output_count]; each layer at most once */
     size_t output_count;
+    const struct mns_objects *objects; /* things in our own sky and on our own floor; NULL: none. Not with scene */
 };
 MNS_API void mns_frame_init_sized(struct mns_frame *frame, size_t size);
 static inline void mns_frame_init(struct mns_frame *frame) { mns_frame_init_sized(frame, sizeof(*frame)); }
@@ -112,6 +130,22 @@ static inline void mns_frame_init(struct mns_frame *frame) { mns_frame_init_size
 /* Draws the prepared particles. The outputs are written when it returns MNS_OK; otherwise what they hold is undefined.
  * No visible particle is no error: the picture is the background. */
 MNS_API mns_result mns_renderer_draw(mns_renderer *renderer, const struct mns_frame *frame);
+
+/* The light in which a frame's scene stands: linear RGB, world space. */
+struct mns_light {
+    size_t struct_size;    /* set by mns_light_init */
+    double up[3], sun[3];  /* unit; towards the sun */
+    float sun_light[3];    /* on a white surface that faces the sun */
+    float sky_light[3];    /* on a white surface that faces up, by the sky alone */
+    float ground_light[3]; /* on a white surface that faces down */
+    int has_floor;         /* 0 or 1 */
+    double floor_height;   /* coordinate along up, metres */
+};
+MNS_API void mns_light_init_sized(struct mns_light *light, size_t size);
+static inline void mns_light_init(struct mns_light *light) { mns_light_init_sized(light, sizeof(*light)); }
+
+/* The light of a frame with the prepared particles. *out: from mns_light_init. */
+MNS_API mns_result mns_renderer_light(mns_renderer *renderer, const struct mns_frame *frame, struct mns_light *out);
 
 /* What went wrong in the last call on this renderer, in words; "" when nothing did. Valid until the next call. */
 MNS_API const char *mns_renderer_message(const mns_renderer *renderer);

@@ -42,6 +42,7 @@ struct backend_functions {
                           struct particle_facts *facts);
     mns_result (*prepare_diffuse)(struct backend *backend, const struct mns_particles *diffuse, size_t *dropped);
     mns_result (*stages[STAGE_COUNT])(struct backend *backend, const struct frame *frame);
+    void (*light)(const struct frame *frame, struct mns_light *out); /* but for struct_size */
     void (*stats)(const struct backend *backend, struct backend_stats *out);
 };
 

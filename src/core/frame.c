@@ -118,6 +118,32 @@ static mns_result check_scene(const struct mns_frame *in, struct mns_message *me
     return result;
 }
 
+static mns_result check_objects(const struct mns_frame *in, struct mns_message *message)
+{
+    const struct mns_objects *objects = in->objects;
+    if (!objects) {
+        return MNS_OK;
+    }
+    if (in->scene) {
+        return mns_fail(message, MNS_ERR_INVALID_ARGUMENT, "frame has both a scene and objects; objects stand in the renderer's own scene");
+    }
+    if (!objects->pixels) {
+        return mns_fail(message, MNS_ERR_INVALID_ARGUMENT, "objects.pixels is NULL");
+    }
+    if (objects->width != in->camera->width || objects->height != in->camera->height) {
+        return mns_fail(message, MNS_ERR_INVALID_ARGUMENT, "objects are %d x %d pixels; the camera's picture is %d x %d", objects->width,
+                        objects->height, in->camera->width, in->camera->height);
+    }
+    for (int y = 0; objects->spans && y < objects->height; y++) {
+        int begin = objects->spans[2 * y], end = objects->spans[2 * y + 1];
+        if (begin < 0 || end > objects->width) {
+            return mns_fail(message, MNS_ERR_INVALID_ARGUMENT, "objects.spans has %d to %d in row %d; it must be within 0 to %d", begin,
+                            end, y, objects->width);
+        }
+    }
+    return MNS_OK;
+}
+
 static int default_iterations(int filter)
 {
     switch (filter) {
@@ -225,7 +251,11 @@ mns_result mns_frame_resolve(struct frame *out, const struct mns_frame *in, cons
         result = check_scene(in, message);
     }
     if (result == MNS_OK) {
+        result = check_objects(in, message);
+    }
+    if (result == MNS_OK) {
         out->scene = in->scene;
+        out->objects = in->objects;
         if (out->params.iterations == 0) {
             out->params.iterations = default_iterations(out->params.filter);
         }

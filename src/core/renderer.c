@@ -39,6 +39,12 @@ void mns_stats_init_sized(struct mns_stats *stats, size_t size)
     stats->struct_size = size;
 }
 
+void mns_light_init_sized(struct mns_light *light, size_t size)
+{
+    memset(light, 0, size);
+    light->struct_size = size;
+}
+
 static void run_in_pool(void *user, void (*job)(void *context, int index), void *context, int count)
 {
     mns_pool_run(user, job, context, count);
@@ -204,19 +210,40 @@ static void move_shadow_time(struct mns_renderer *renderer)
     renderer->draw_ms -= stats.shadow_ms;
 }
 
+/* The caller's frame with what an older caller does not know left empty, checked and resolved. */
+static mns_result resolve_frame(mns_renderer *renderer, const struct mns_frame *frame, struct frame *out)
+{
+    struct mns_frame known;
+    mns_frame_init(&known);
+    if (frame->struct_size < sizeof(frame->struct_size)) {
+        return mns_fail(&renderer->message, MNS_ERR_INVALID_ARGUMENT, "frame.struct_size is %zu; call mns_frame_init first",
+                        frame->struct_size);
+    }
+    memcpy(&known, frame, frame->struct_size < sizeof(known) ? frame->struct_size : sizeof(known));
+    return mns_frame_resolve(out, &known, &renderer->facts, &renderer->message);
+}
+
+mns_result mns_renderer_light(mns_renderer *renderer, const struct mns_frame *frame, struct mns_light *out)
+{
+    renderer->message.text[0] = '\0';
+    struct frame resolved;
+    mns_result result = resolve_frame(renderer, frame, &resolved);
+    if (result == MNS_OK) {
+        struct mns_light light;
+        mns_light_init(&light);
+        renderer->functions->light(&resolved, &light);
+        light.struct_size = out->struct_size;
+        memcpy(out, &light, out->struct_size < sizeof(light) ? out->struct_size : sizeof(light));
+    }
+    return finish(renderer, result);
+}
+
 mns_result mns_renderer_draw(mns_renderer *renderer, const struct mns_frame *frame)
 {
     renderer->message.text[0] = '\0';
     double start = mns_clock_ms();
-    struct mns_frame known;
-    mns_frame_init(&known);
-    if (frame->struct_size < sizeof(frame->struct_size)) {
-        return finish(renderer, mns_fail(&renderer->message, MNS_ERR_INVALID_ARGUMENT,
-                                         "frame.struct_size is %zu; call mns_frame_init first", frame->struct_size));
-    }
-    memcpy(&known, frame, frame->struct_size < sizeof(known) ? frame->struct_size : sizeof(known));
     struct frame resolved;
-    mns_result result = mns_frame_resolve(&resolved, &known, &renderer->facts, &renderer->message);
+    mns_result result = resolve_frame(renderer, frame, &resolved);
     renderer->stages_run = 0;
     if (result == MNS_OK) {
         renderer->splat_radius = resolved.splat_radius;

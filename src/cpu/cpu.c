@@ -2,6 +2,7 @@
 #include "cpu/cpu.h"
 
 #include "cpu/smooth/filter.h"
+#include "cpu/sky.h"
 
 static mns_result create(struct backend **out, const struct backend_host *host, const struct mns_renderer_params *params)
 {
@@ -86,5 +87,6 @@ const struct backend_functions mns_backend_cpu = {
                [STAGE_SMOOTH] = mns_cpu_smooth,
                [STAGE_BLUR] = mns_cpu_blur,
                [STAGE_SHADE] = mns_cpu_shade},
+    .light = mns_cpu_light,
     .stats = stats,
 };

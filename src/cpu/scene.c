@@ -1,5 +1,6 @@
 /* scene.c: stage scene: the caller's picture and depth, or sky, floor and shadow. */
 #include "cpu/cpu.h"
+#include "cpu/objects.h"
 #include "cpu/pixels.h"
 #include "cpu/shadow.h"
 
@@ -50,7 +51,7 @@ static mns_result resolve_light(struct backdrop *out, struct backend *cpu, const
         sun[c] = out->sky.sun_light[c] * sine;
         out->light_open[c] = sun[c] + out->sky.sky_light[c];
     }
-    if (!out->has_floor || !frame->params.shadow || cpu->stores[STORE_WATER].count == 0) {
+    if (!(out->has_floor || frame->objects) || !frame->params.shadow || cpu->stores[STORE_WATER].count == 0) {
         return MNS_OK;
     }
     mns_result result = mns_shadow_update(cpu, frame, sun, out->sky.sky_light);
@@ -120,6 +121,9 @@ static void draw_row(struct scene_run *run, int y)
         int count = run->frame->view.width - x < SCENE_SPAN ? run->frame->view.width - x : SCENE_SPAN;
         float *depth = out->has_depth ? out->depth.data + y * out->depth.stride + x : unused;
         run->cpu->kernels->scene->backdrop(&run->backdrop, x, y, count, out->color + 4 * ((ptrdiff_t)y * out->stride + x), depth);
+    }
+    if (run->frame->objects) {
+        mns_objects_row(run->cpu, run->frame, &run->backdrop, y);
     }
 }
 
@@ -198,9 +202,9 @@ mns_result mns_cpu_scene(struct backend *cpu, const struct frame *frame)
         return result;
     }
     const struct scene_look *look = &frame->look;
-    scene->has_depth = frame->scene ? frame->scene->depth.data != NULL : run.backdrop.has_floor;
-    scene->cuts_fluid =
-        scene->has_depth && (frame->scene || look->floor_height > frame->facts->bounds_min[look->axis_up] - frame->splat_radius);
+    scene->has_depth = frame->scene ? frame->scene->depth.data != NULL : run.backdrop.has_floor || frame->objects;
+    scene->cuts_fluid = scene->has_depth && (frame->scene || frame->objects ||
+                                             look->floor_height > frame->facts->bounds_min[look->axis_up] - frame->splat_radius);
     if (!resize(scene, cpu->host.memory, frame->view.width, frame->view.height)) {
         return cpu_out_of_memory(cpu);
     }

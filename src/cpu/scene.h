@@ -37,6 +37,14 @@ struct backdrop {
 #define FLOOR_HAZE_SINE 0.05f
 #define FLOOR_HAZE_END  0.001f
 
+/* 1 at the horizon, a quarter at FLOOR_HAZE_SINE below it, none from 14 degrees on. */
+static inline float mns_floor_haze(float sine)
+{
+    float ratio = FLOOR_HAZE_SINE * FLOOR_HAZE_SINE / (FLOOR_HAZE_SINE * FLOOR_HAZE_SINE + sine * sine),
+          above = ratio * ratio - FLOOR_HAZE_END;
+    return (above > 0 ? above : 0) * (1 / (1 - FLOOR_HAZE_END));
+}
+
 /* The checker is filtered by a tent of one pixel's footprint on each side, along each axis of the floor in turn: t (2 - |t|) of
  * t = distance to the nearest edge / width, clamped to [-1, 1]. From half a cell on the next edges come in: (2 - width) / 1.5 stands for
  * them, within 0.07 of the tent's integral, and from two cells on nothing is left, where the tent leaves 0.05 at most. */

@@ -42,6 +42,7 @@ struct shadow_key {
     float sun[3], floor_height;
     float splat_radius, volume, volume_per_mass, volume_per_cube, fluid_size, absorption[3], refraction_index;
     float sun_light[3], sky_light[3];
+    unsigned has_moments;
 };
 
 /* Where particles fall on a map: u = p[axis_u] - shear_u * height over the floor, likewise v. */
@@ -58,6 +59,7 @@ struct deposit {
     int width, height;
     float min_u, min_v, per_metre; /* texels per metre */
     float per_volume;              /* thickness of a texel per m^3 */
+    int moment;                    /* 1, 2: the thickness times that power of the height over the floor is gathered */
 };
 
 static const float *axis_of(const struct particle_store *store, int axis) { return axis == 0 ? store->x : axis == 1 ? store->y : store->z; }
@@ -98,6 +100,9 @@ static void deposit_chunk(const struct deposit *d, size_t chunk, int begin, int 
         }
         int column = (int)u, row = (int)v;
         float fu = u - (float)column, fv = v - (float)row, thickness = fminf(volume_of(d->frame, store, i) * d->per_volume, THICKEST);
+        for (int power = 0; power < d->moment; power++) {
+            thickness *= height;
+        }
         float *texel = d->sums + (ptrdiff_t)row * d->width + column;
         if (row >= begin && row < end) {
             texel[0] += (1 - fv) * (1 - fu) * thickness;
@@ -196,10 +201,20 @@ static void gather(struct backend *cpu, struct deposit *d, float sigma_texels, f
 
 struct compose {
     struct shadow *shadow;
-    const struct shadow_key *key;
     int sky_width, sky_height;
-    float sun_loss; /* part of the sun's light that two surfaces reflect */
 };
+
+/* Parts of the light that pass the surfaces of so many metres of fluid. */
+struct losses {
+    float sun, sky;
+};
+
+static struct losses losses_of(const struct shadow *shadow, float along, float above)
+{
+    /* How far the fluid is a body with surfaces: a drop of one particle is an eighth of one. */
+    float body = BODY * shadow->key->splat_radius, covered = 1 - expf(-along / body), roofed = 1 - expf(-above / body);
+    return (struct losses){1 - shadow->sun_loss * covered, 1 - SKY_LOSS * roofed};
+}
 
 /* Bilinear in the thickness upwards. */
 static float sky_thickness(const struct compose *c, int column, int row)
@@ -214,21 +229,20 @@ static float sky_thickness(const struct compose *c, int column, int row)
 static void compose_band(void *context, int band)
 {
     const struct compose *c = context;
-    const struct shadow_key *key = c->key;
     struct shadow *shadow = c->shadow;
+    const struct shadow_key *key = shadow->key;
     int end = (band + 1) * BAND < shadow->height ? (band + 1) * BAND : shadow->height;
     for (int row = band * BAND; row < end; row++) {
         for (int column = 0; column < shadow->width; column++) {
             ptrdiff_t at = (ptrdiff_t)row * shadow->width + column;
             float along = shadow->sums[0][at], above = sky_thickness(c, column, row);
-            /* How far the fluid is a body with surfaces: a drop of one particle is an eighth of one. */
-            float covered = 1 - expf(-along / (BODY * key->splat_radius)), roofed = 1 - expf(-above / (BODY * key->splat_radius));
+            struct losses losses = losses_of(shadow, along, above);
             float *light = shadow->light + 4 * at;
             for (int k = 0; k < 3; k++) {
-                light[k] = key->sun_light[k] * expf(-key->absorption[k] * along) * (1 - c->sun_loss * covered) +
-                           key->sky_light[k] * expf(-key->absorption[k] * above) * (1 - SKY_LOSS * roofed);
+                light[k] = key->sun_light[k] * expf(-key->absorption[k] * along) * losses.sun +
+                           key->sky_light[k] * expf(-key->absorption[k] * above) * losses.sky;
             }
-            light[3] = 0;
+            light[3] = above;
         }
     }
 }
@@ -266,13 +280,13 @@ static float reflectance(float cosine, float n)
     return 0.5f * a * a * (1 + b * b);
 }
 
-static bool reserve(struct backend *cpu, struct shadow *shadow, int sky_width, int sky_height)
+static bool reserve(struct backend *cpu, struct shadow *shadow, int sky_width, int sky_height, bool has_moments)
 {
     struct memory *memory = cpu->host.memory;
     size_t texels = (size_t)shadow->width * (size_t)shadow->height;
-    const size_t counts[3] = {texels, (size_t)sky_width * (size_t)sky_height, texels};
+    const size_t counts[] = {texels, (size_t)sky_width * (size_t)sky_height, texels, texels, texels};
     bool done = true;
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < (has_moments ? 5 : 3); i++) {
         shadow->sums[i] = mns_memory_reserve(memory, shadow->sums[i], &shadow->sums_capacity[i], counts[i], sizeof(float));
         done = done && shadow->sums[i];
     }
@@ -280,7 +294,8 @@ static bool reserve(struct backend *cpu, struct shadow *shadow, int sky_width, i
     return done && shadow->light;
 }
 
-static bool make(struct backend *cpu, const struct frame *frame, struct shadow *shadow, const struct shadow_key *key)
+/* Fills the map; *shadow->key says from what. */
+static bool make(struct backend *cpu, const struct frame *frame, struct shadow *shadow)
 {
     const struct scene_look *look = &frame->look;
     float sine = look->sun[look->axis_up], radius = frame->splat_radius;
@@ -298,7 +313,7 @@ static bool make(struct backend *cpu, const struct frame *frame, struct shadow *
     shadow->width = (int)(extent_u / shadow->texel) + 2;
     shadow->height = (int)(extent_v / shadow->texel) + 2;
     int sky_width = (shadow->width - 1) / SKY_REDUCTION + 2, sky_height = (shadow->height - 1) / SKY_REDUCTION + 2;
-    if (!reserve(cpu, shadow, sky_width, sky_height)) {
+    if (!reserve(cpu, shadow, sky_width, sky_height, shadow->key->has_moments)) {
         return false;
     }
     float per_area = 1 / (shadow->texel * shadow->texel);
@@ -312,7 +327,11 @@ static bool make(struct backend *cpu, const struct frame *frame, struct shadow *
                               .min_v = shadow->min_v,
                               .per_metre = 1 / shadow->texel,
                               .per_volume = per_area / sine};
-    gather(cpu, &deposit, fmaxf(SUN_SIGMA * radius / shadow->texel, 1), shadow->sums[2]);
+    for (; deposit.moment <= (shadow->key->has_moments ? 2 : 0); deposit.moment++) {
+        deposit.sums = shadow->sums[deposit.moment ? 2 + deposit.moment : 0];
+        gather(cpu, &deposit, fmaxf(SUN_SIGMA * radius / shadow->texel, 1), shadow->sums[2]);
+    }
+    deposit.moment = 0;
     deposit.projection.shear_u = deposit.projection.shear_v = 0;
     deposit.sums = shadow->sums[1];
     deposit.width = sky_width;
@@ -322,7 +341,8 @@ static bool make(struct backend *cpu, const struct frame *frame, struct shadow *
     gather(cpu, &deposit, sky_sigma / (shadow->texel * SKY_REDUCTION), shadow->sums[2]);
 
     float through = 1 - reflectance(sine, frame->params.refraction_index);
-    struct compose compose = {shadow, key, sky_width, sky_height, 1 - (1 - SUN_ASTRAY) * through * through};
+    shadow->sun_loss = 1 - (1 - SUN_ASTRAY) * through * through;
+    struct compose compose = {shadow, sky_width, sky_height};
     cpu_run(cpu, compose_band, &compose, bands_of(shadow->height));
     return true;
 }
@@ -351,7 +371,8 @@ mns_result mns_shadow_update(struct backend *cpu, const struct frame *frame, con
                              .volume_per_mass = frame->volume_per_mass,
                              .volume_per_cube = frame->volume_per_cube,
                              .fluid_size = frame->fluid_size,
-                             .refraction_index = frame->params.refraction_index};
+                             .refraction_index = frame->params.refraction_index,
+                             .has_moments = frame->objects != NULL};
     memcpy(key.sun, frame->look.sun, sizeof(key.sun));
     const float *absorption = frame->absorption, mean = (absorption[0] + absorption[1] + absorption[2]) / 3;
     for (int c = 0; c < 3; c++) { /* of coloured particles the map does not tell which threw the shadow: grey */
@@ -363,13 +384,53 @@ mns_result mns_shadow_update(struct backend *cpu, const struct frame *frame, con
         return MNS_OK;
     }
     double start = mns_clock_ms();
-    memset(shadow->key, 0, sizeof(*shadow->key));
-    if (!make(cpu, frame, shadow, &key)) {
+    *shadow->key = key;
+    if (!make(cpu, frame, shadow)) {
+        memset(shadow->key, 0, sizeof(*shadow->key));
         return cpu_out_of_memory(cpu);
     }
-    *shadow->key = key;
     cpu->stats.shadow_ms = mns_clock_ms() - start;
     return MNS_OK;
+}
+
+static float bilinear(const float *map, int width, int column, int row, float fu, float fv)
+{
+    const float *texel = map + (ptrdiff_t)row * width + column, *below = texel + width;
+    float top = texel[0] + fu * (texel[1] - texel[0]), bottom = below[0] + fu * (below[1] - below[0]);
+    return top + fv * (bottom - top);
+}
+
+void mns_shadow_at(const struct shadow *shadow, float u, float v, float height, float out[3])
+{
+    out[0] = out[1] = out[2] = 1;
+    if (!(u >= 0) || !(v >= 0) || !(u < (float)(shadow->width - 1)) || !(v < (float)(shadow->height - 1))) {
+        return;
+    }
+    const struct shadow_key *key = shadow->key;
+    int column = (int)u, row = (int)v;
+    float moments[3], radius = key->splat_radius;
+    for (int i = 0; i < 3; i++) {
+        moments[i] = bilinear(shadow->sums[i ? 2 + i : 0], shadow->width, column, row, u - (float)column, v - (float)row);
+    }
+    if (!(moments[0] > 0)) {
+        return;
+    }
+    /* A slab of standard deviation s is s sqrt(12) high. One of a single particle is as high as that. */
+    float mean = moments[1] / moments[0], variance = fmaxf(moments[2] / moments[0] - mean * mean, radius * radius / 3);
+    float half = sqrtf(3 * variance), along = moments[0] * fmaxf(fminf((mean + half - height) / (2 * half), 1), 0);
+    float passes = losses_of(shadow, along, 0).sun;
+    for (int c = 0; c < 3; c++) {
+        out[c] = expf(-key->absorption[c] * along) * passes;
+    }
+}
+
+void mns_shadow_sky(const struct shadow *shadow, float above, float out[3])
+{
+    const struct shadow_key *key = shadow->key;
+    float passes = losses_of(shadow, 0, above).sky;
+    for (int c = 0; c < 3; c++) {
+        out[c] = key->sky_light[c] * expf(-key->absorption[c] * above) * passes;
+    }
 }
 
 void mns_shadow_destroy(struct backend *cpu)
@@ -379,7 +440,7 @@ void mns_shadow_destroy(struct backend *cpu)
     if (!shadow) {
         return;
     }
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 5; i++) {
         mns_memory_put(memory, shadow->sums[i], shadow->sums_capacity[i], sizeof(float));
     }
     mns_memory_put(memory, shadow->light, shadow->light_capacity, sizeof(float));

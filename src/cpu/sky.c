@@ -32,3 +32,19 @@ void mns_sky_resolve(struct sky *sky, const struct frame *frame)
         sky->ground[c] = albedo * (look->sun_color[c] * elevation_sine + sky->sky_light[c]);
     }
 }
+
+void mns_cpu_light(const struct frame *frame, struct mns_light *out)
+{
+    const struct scene_look *look = &frame->look;
+    struct sky sky;
+    mns_sky_resolve(&sky, frame);
+    for (int c = 0; c < 3; c++) {
+        out->up[c] = (double)look->up[c];
+        out->sun[c] = (double)look->sun[c];
+        out->sun_light[c] = sky.sun_light[c];
+        out->sky_light[c] = sky.sky_light[c];
+        out->ground_light[c] = 0.5f * sky.ground[c];
+    }
+    out->has_floor = look->has_floor;
+    out->floor_height = (double)look->floor_height + frame->facts->origin[look->axis_up];
+}

@@ -27,6 +27,9 @@ struct sky {
 /* In the image space of the frame's view. */
 void mns_sky_resolve(struct sky *sky, const struct frame *frame);
 
+/* The same light for others, in world space. */
+void mns_cpu_light(const struct frame *frame, struct mns_light *out);
+
 /* out = rotation * v: a direction of the set's space in image space. */
 static inline void sky_rotate(float out[3], const float rotation[9], const float v[3])
 {

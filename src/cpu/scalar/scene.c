@@ -17,13 +17,6 @@ static float checker_axis(float u, float width)
     return t * (2 - fabsf(t)) * clamp((2 - width) * (1 / 1.5f), 0, 1);
 }
 
-/* 1 at the horizon, a quarter at FLOOR_HAZE_SINE below it, none from 14 degrees on. */
-static float floor_haze(float sine)
-{
-    float ratio = FLOOR_HAZE_SINE * FLOOR_HAZE_SINE / (FLOOR_HAZE_SINE * FLOOR_HAZE_SINE + sine * sine);
-    return fmaxf(ratio * ratio - FLOOR_HAZE_END, 0) * (1 / (1 - FLOOR_HAZE_END));
-}
-
 struct floor_point {
     float depth;            /* metres */
     float along_u, along_v; /* axis . q, metres */
@@ -47,7 +40,7 @@ static bool meet_floor(const struct backdrop *b, const float d[3], float length,
         return false;
     }
     out->depth = z;
-    out->haze = floor_haze(sine);
+    out->haze = mns_floor_haze(sine);
     /* Towards the horizon, where haze is all there is, the floor is looked up as where the ray falls by 1e-4: u stays finite. */
     float fall_near = fminf(fall, -1e-4f * length), z_near = gap / fall_near;
     float scale = (b->orthographic ? 1 : z_near) * b->inv_cell;

@@ -1,0 +1,95 @@
+/* objects.c: the caller's opaque things in our own sky and on our own floor. */
+#include "cpu/objects.h"
+
+#include "cpu/shadow.h"
+
+#include <math.h>
+
+/* A point that a pixel's ray meets, in the terms of the light map. */
+struct place {
+    float u, v, height; /* texels; metres over the floor */
+    float fall;         /* sine of the angle below the horizon at which the ray comes */
+};
+
+/* What is no number counts as none. */
+static float number(float value) { return value > -1e15f && value < 1e15f ? value : 0; }
+
+static float dot(const float a[3], const float b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+static struct place place_of(const struct backdrop *b, const struct shadow *shadow, const struct frame *frame, int x, int y, float depth)
+{
+    const struct view *view = &frame->view;
+    const struct scene_look *look = &frame->look;
+    float per_depth = b->orthographic ? 1 : depth, dx = ((float)x + 0.5f - b->cx) * b->step_x, dy = ((float)y + 0.5f - b->cy) * b->step_y;
+    const float q[3] = {dx * per_depth, dy * per_depth, depth}, ray[3] = {b->orthographic ? 0 : dx, b->orthographic ? 0 : dy, 1};
+    struct place at = {.height = dot(b->sky.up, q) - b->plane, .fall = -dot(b->sky.up, ray) / sqrtf(dot(ray, ray))};
+    if (shadow) {
+        float along_u = dot(b->axis_u, q) - dot(b->axis_u, view->translation),
+              along_v = dot(b->axis_v, q) - dot(b->axis_v, view->translation);
+        float rise = at.height / look->sun[look->axis_up];
+        at.u = (along_u - look->sun[look->axis_u] * rise - shadow->min_u) / shadow->texel;
+        at.v = (along_v - look->sun[look->axis_v] * rise - shadow->min_v) / shadow->texel;
+    }
+    return at;
+}
+
+/* Takes from the floor's colour what the objects keep away of the sun's and the sky's light. */
+static void shade_floor(const struct backdrop *b, const struct shadow *shadow, const struct place *at,
+                        const struct mns_object_pixel *object, float color[3])
+{
+    float light[4] = {b->light_open[0], b->light_open[1], b->light_open[2], 0},
+          sky[3] = {b->sky.sky_light[0], b->sky.sky_light[1], b->sky.sky_light[2]};
+    if (shadow && at->u >= 0 && at->v >= 0 && at->u < (float)(shadow->width - 1) && at->v < (float)(shadow->height - 1)) {
+        int column = (int)at->u, row = (int)at->v;
+        float fu = at->u - (float)column, fv = at->v - (float)row;
+        const float *texel = shadow->light + 4 * ((ptrdiff_t)row * shadow->width + column), *below = texel + 4 * (ptrdiff_t)shadow->width;
+        for (int c = 0; c < 4; c++) {
+            float top = texel[c] + fu * (texel[c + 4] - texel[c]), bottom = below[c] + fu * (below[c + 4] - below[c]);
+            light[c] = top + fv * (bottom - top);
+        }
+        if (light[3] > 0) {
+            mns_shadow_sky(shadow, light[3], sky);
+        }
+    }
+    float clear = 1 - mns_floor_haze(at->fall);
+    for (int c = 0; c < 3; c++) {
+        float kept = (1 - object->floor_sun) * fmaxf(light[c] - sky[c], 0) + (1 - object->floor_sky) * sky[c];
+        color[c] *= 1 - clear * fminf(kept / fmaxf(light[c], 1e-20f), 1);
+    }
+}
+
+static void put(struct scene_image *scene, const struct backdrop *b, const struct shadow *shadow, const struct frame *frame,
+                const struct mns_object_pixel *object, int x, int y)
+{
+    float *color = scene->color + 4 * (y * scene->stride + x), *depth = scene->depth.data + y * scene->depth.stride + x;
+    if (*depth < DEPTH_LIMIT && (object->floor_sun < 1 || object->floor_sky < 1)) {
+        struct place at = place_of(b, shadow, frame, x, y, *depth);
+        at.height = 0;
+        shade_floor(b, shadow, &at, object, color);
+    }
+    if (object->color[3] > 0) {
+        float sun[3] = {1, 1, 1}, covered = fminf(object->color[3], 1);
+        if (shadow && object->reach < DEPTH_LIMIT) {
+            struct place at = place_of(b, shadow, frame, x, y, object->reach);
+            mns_shadow_at(shadow, at.u, at.v, at.height, sun);
+        }
+        for (int c = 0; c < 3; c++) {
+            color[c] = (1 - covered) * color[c] + number(object->color[c]) + sun[c] * number(object->sunlit[c]);
+        }
+        color[3] = covered + (1 - covered) * color[3];
+    }
+    if (object->depth > 0 && object->depth < *depth) {
+        *depth = object->depth;
+    }
+}
+
+void mns_objects_row(struct backend *cpu, const struct frame *frame, const struct backdrop *backdrop, int y)
+{
+    const struct mns_objects *objects = frame->objects;
+    const struct mns_object_pixel *row = objects->pixels + (ptrdiff_t)y * objects->width;
+    const struct shadow *shadow = frame->params.shadow && cpu->stores[STORE_WATER].count > 0 ? cpu->scene.shadow : NULL;
+    int begin = objects->spans ? objects->spans[2 * y] : 0, end = objects->spans ? objects->spans[2 * y + 1] : objects->width;
+    for (int x = begin; x < end; x++) {
+        put(&cpu->scene, backdrop, shadow, frame, row + x, x, y);
+    }
+}
