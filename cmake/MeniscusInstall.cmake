@@ -50,16 +50,33 @@ endif()
 
 mns_install_library(meniscus meniscus meniscus-targets)
 mns_install_module(meniscus "${PROJECT_DESCRIPTION}" "" "-lmeniscus${libs}")
-set(unbuilt_header PATTERN io.h EXCLUDE)
+set(unbuilt_headers "")
 if(MNS_BUILD_IO)
   mns_install_library(meniscus_io io meniscus-io-targets)
   list(JOIN io_requires " " io_requires)
   mns_install_module(meniscus-io "Particle and image files for meniscus" "meniscus = ${PROJECT_VERSION} ${io_requires}" "-lmeniscus_io")
-  set(unbuilt_header "")
+else()
+  list(APPEND unbuilt_headers PATTERN io.h EXCLUDE)
+endif()
+set(MNS_SCENE_DEPENDENCIES "")
+if(MNS_BUILD_SCENE)
+  mns_install_library(meniscus_scene scene meniscus-scene-targets)
+  set(scene_requires "")
+  set(scene_libs "")
+  if(MNS_HAVE_MESHES AND NOT BUILD_SHARED_LIBS)
+    set(MNS_SCENE_DEPENDENCIES
+      "meniscus_find_module(MNS_ASSIMP assimp)\n    meniscus_find_module(MNS_STB stb)\n    find_dependency(embree 3)")
+    set(scene_requires " assimp stb")
+    set(scene_libs " -lembree3")
+  endif()
+  mns_install_module(meniscus-scene "Opaque meshes around meniscus' fluids" "meniscus = ${PROJECT_VERSION}${scene_requires}"
+    "-lmeniscus_scene${scene_libs}")
+else()
+  list(APPEND unbuilt_headers PATTERN scene.h EXCLUDE)
 endif()
 
 install(DIRECTORY "${PROJECT_SOURCE_DIR}/include/meniscus" "${PROJECT_BINARY_DIR}/include/meniscus"
-  DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}" FILES_MATCHING PATTERN "*.h" ${unbuilt_header})
+  DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}" FILES_MATCHING PATTERN "*.h" ${unbuilt_headers})
 
 configure_package_config_file("${PROJECT_SOURCE_DIR}/cmake/meniscus-config.cmake.in" "${package_build_dir}/meniscus-config.cmake"
   INSTALL_DESTINATION "${package_dir}")

@@ -27,7 +27,7 @@ check() {
     thread) build thread clang -DCMAKE_BUILD_TYPE=RelWithDebInfo -DMNS_SANITIZE=thread ;;
     scalar) build scalar gcc -DMNS_SIMD=OFF ;;
     shared) build shared gcc -DBUILD_SHARED_LIBS=ON ;;
-    bare) build bare gcc -DMNS_WITH_ZLIB=OFF -DMNS_WITH_LZ4=OFF -DMNS_WITH_LZMA=OFF -DMNS_WITH_EXPAT=OFF -DMNS_WITH_PNG=OFF ;;
+    bare) build bare gcc -DMNS_WITH_ZLIB=OFF -DMNS_WITH_LZ4=OFF -DMNS_WITH_LZMA=OFF -DMNS_WITH_EXPAT=OFF -DMNS_WITH_PNG=OFF -DMNS_WITH_MESHES=OFF ;;
     *)
         echo "no such check: $1 (format gcc clang address thread scalar shared bare)" >&2
         exit 2

@@ -1,13 +1,13 @@
 #!/bin/sh
 # Installs what building and testing need, on Debian and Ubuntu; elsewhere names it.
 set -eu
-packages="gcc g++ libc6-dev cmake ninja-build pkg-config zlib1g-dev liblz4-dev liblzma-dev libexpat1-dev libspng-dev libcjson-dev libcmocka-dev ffmpeg"
+packages="gcc g++ libc6-dev cmake ninja-build pkg-config zlib1g-dev liblz4-dev liblzma-dev libexpat1-dev libspng-dev libcjson-dev libcmocka-dev ffmpeg libassimp-dev libstb-dev"
 
 if ! command -v dpkg-query >/dev/null 2>&1; then
     echo "This is no Debian or Ubuntu: please install what these packages hold: $packages" >&2
     exit 0
 fi
-[ "$(dpkg --print-architecture)" != amd64 ] || packages="$packages libembree-dev" # for tests/oracle, which others go without
+[ "$(dpkg --print-architecture)" != amd64 ] || packages="$packages libembree-dev" # for meshes and tests/oracle, which others go without
 missing=""
 for package in $packages; do
     dpkg-query -W -f='${Status}' "$package" 2>/dev/null | grep -q 'ok installed' || missing="$missing $package"

@@ -40,6 +40,10 @@ int draw_picture(const struct drawing *drawing, const struct mns_particles *part
     frame.params = &params;
     frame.outputs = images;
     frame.output_count = image_count;
+    status = scenery_draw(drawing->scenery, drawing->renderer, (long long)moment->number, &frame);
+    if (status != STATUS_DONE) {
+        return status;
+    }
     if (mns_renderer_draw(drawing->renderer, &frame) != MNS_OK) {
         return program_fail("%s: %s", moment->name, mns_renderer_message(drawing->renderer));
     }

@@ -3,6 +3,7 @@
 #define MENISCUS_DRAW_H
 
 #include "options.h"
+#include "scenery.h"
 #include "survey.h"
 
 /* What all pictures of a run share. */
@@ -10,6 +11,7 @@ struct drawing {
     const struct options *options;
     const struct survey *survey; /* of the sequence; NULL: each picture's own */
     mns_renderer *renderer;
+    struct scenery *scenery; /* NULL: none */
 };
 
 /* Which picture it is. */

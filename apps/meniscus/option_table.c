@@ -3,6 +3,7 @@
 
 #include "lab/run.h"
 #include "option_color.h"
+#include "option_scenery.h"
 #include "option_sequence.h"
 #include "option_values.h"
 #include "preset.h"
@@ -419,6 +420,12 @@ const struct option_row option_table[] = {
 
     {"--display", 0, "MODE", DRAWS, "display", NULL, "beauty, opaque, spheres, normal, depth, thickness, curvature, color"},
     {"--layer", 0, "NAME=FILE", COMMAND_RENDER, NULL, set_layer, "save a layer as .npy (a pattern in a sequence); repeatable"},
+    {"--mesh", 0, "FILE", COMMAND_RENDER, NULL, option_set_mesh,
+     "an opaque thing: .obj, .ply, .stl, .gltf, .glb; a pattern such as body_%04d.obj for one that changes; repeatable"},
+    {"--container", 0, "FILE", COMMAND_RENDER, NULL, option_set_container, "the same of a tank: only its far faces are drawn; repeatable"},
+    {"--mesh-scale", 0, "S", COMMAND_RENDER, NULL, option_set_mesh_scale, "metres per unit of the meshes' files (1)"},
+    {"--mesh-up", 0, "AXIS", COMMAND_RENDER, NULL, option_set_mesh_up,
+     "x, y or z: which axis is up in the meshes' files (as in the particles')"},
     {"--floor", 0, "on|off", DRAWS, "floor", NULL, "draw a floor (on)"},
     {"--sun", 0, "AZ,EL", DRAWS, NULL, set_sun, "where the sun stands, degrees about the up axis and above the horizon"},
     {"--exposure", 0, "EV", DRAWS, "exposure", NULL, "the picture's light times 2^EV"},

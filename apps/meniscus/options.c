@@ -108,6 +108,7 @@ int options_parse(struct options *options, enum command command, int count, char
                                 .camera.fov = 45,
                                 .step = 1,
                                 .crf = -1,
+                                .mesh_scale = 1,
                                 .fps = {30, 1},
                                 .repeat = 20,
                                 .warmup = 3};
@@ -121,8 +122,9 @@ int options_parse(struct options *options, enum command command, int count, char
     options->roles = calloc(room, sizeof(*options->roles));
     options->presets = calloc(room, sizeof(*options->presets));
     options->looks = calloc(room, sizeof(*options->looks));
+    options->meshes = calloc(room, sizeof(*options->meshes));
     options->settings = calloc(2 * room, sizeof(*options->settings)); /* --sun and --background set two */
-    if (!options->inputs || !options->roles || !options->presets || !options->looks || !options->settings) {
+    if (!options->inputs || !options->roles || !options->presets || !options->looks || !options->meshes || !options->settings) {
         return program_fail("out of memory");
     }
     bool only_inputs = false;
@@ -152,6 +154,7 @@ void options_free(struct options *options)
     free((void *)options->roles);
     free((void *)options->presets);
     free((void *)options->looks);
+    free(options->meshes);
     free(options->settings);
     free(options->keys);
 }

@@ -23,6 +23,11 @@ struct layer_file {
     const char *path; /* or a pattern */
 };
 
+struct mesh_file {
+    const char *path; /* or a pattern: one mesh per frame */
+    bool container;
+};
+
 struct camera_options {
     bool has_eye, has_target, has_up, has_fov;
     double eye[3], target[3], up[3]; /* metres; where given */
@@ -79,6 +84,12 @@ struct options {
     size_t look_count;
     const char *save_look;
     struct mns_params params; /* looks and settings applied */
+
+    struct mesh_file *meshes; /* [mesh_count] */
+    size_t mesh_count;
+    double mesh_scale; /* metres per unit */
+    bool has_mesh_up;
+    int mesh_up; /* enum mns_axis, of the files; where given */
 
     bool has_first, has_last;
     long long first, last, step; /* frame numbers, inclusive */

@@ -32,7 +32,7 @@ refuses 2 'render needs an input' render -o a.png
 refuses 2 'info needs an input' info
 refuses 2 'bench needs an input' bench
 refuses 2 'sample needs' sample
-refuses 2 "unknown option '--mesh'" render a.npy -o a.png --mesh m.obj
+refuses 2 "unknown option '--nothing'" render a.npy -o a.png --nothing m.obj
 refuses 2 "did you mean '--filter'" render a.npy -o a.png --fliter none
 refuses 2 "'--repeat' is no option of render" render a.npy -o a.png --repeat 3
 refuses 2 '--size needs a value' render a.npy -o a.png --size
