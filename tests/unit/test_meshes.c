@@ -1,9 +1,12 @@
 /* Meshes against closed form: depth and coverage of a box, a tank's far faces, shadows, what is kept, and files that are none. */
+#define _XOPEN_SOURCE 700 /* mkdtemp */
 #include "unit/picture_test.h"
 
 #include <meniscus/scene.h>
 
+#include <dirent.h>
 #include <stdio.h>
+#include <unistd.h>
 
 enum { WIDTH = 96, HEIGHT = 72, PIXELS = WIDTH * HEIGHT };
 
@@ -342,7 +345,6 @@ static void test_files_that_are_no_mesh(void **state)
     refuse(meshes, "beyond.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n", "out of range");
     refuse(meshes, "words.ply", "This is no mesh.\n", "cannot be read");
     refuse(meshes, "words.glb", "This is no mesh.\n", "cannot be read");
-    remove("gone.png"); /* of a run before */
     write_text("gone.mtl", "newmtl gone\nKd 1 1 1\nmap_Kd gone.png\n");
     refuse(meshes, "gone.obj", "mtllib gone.mtl\nusemtl gone\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n",
            "texture gone.png cannot be opened: No such file");
@@ -355,6 +357,29 @@ static void test_files_that_are_no_mesh(void **state)
     mns_meshes_stats(meshes, &stats);
     assert_int_equal(stats.triangles, 0);
     mns_meshes_destroy(&meshes);
+}
+
+/* The files lie in a folder of their own, which goes with them. */
+static char folder[] = "/tmp/meniscus-meshes-XXXXXX";
+
+static int enter_folder(void **state)
+{
+    (void)state;
+    return mkdtemp(folder) && chdir(folder) == 0 ? 0 : -1;
+}
+
+static int leave_folder(void **state)
+{
+    (void)state;
+    DIR *files = opendir(".");
+    assert_non_null(files);
+    for (const struct dirent *entry = readdir(files); entry; entry = readdir(files)) {
+        if (entry->d_name[0] != '.') {
+            assert_int_equal(remove(entry->d_name), 0);
+        }
+    }
+    closedir(files);
+    return chdir("/") == 0 ? rmdir(folder) : -1;
 }
 
 int main(void)
@@ -370,5 +395,5 @@ int main(void)
         cmocka_unit_test(test_textures_axes_and_units),
         cmocka_unit_test(test_files_that_are_no_mesh),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return cmocka_run_group_tests(tests, enter_folder, leave_folder);
 }
