@@ -135,6 +135,15 @@ struct mns_params {
     float noise_tau;       /* m/s: change of velocity between frames that makes noise, [LGS09] eq. 12; -1 (auto) */
     float noise_cooldown;  /* s until that noise is gone; -1 (auto) */
     float noise_calm;      /* noise of particles as fast as foam_weber_high says, with no such change */
+
+    /* Layered foam: [BSW10] 5.2 and 5.3. */
+    float foam_radius;           /* r: splat radius of foam full-grown; its volume is that of the particle's water */
+    float foam_extinction;       /* 1/r: how fast T_f hides what is behind */
+    float foam_range;            /* r: delta_foam, behind the foam's depth: what T_ff is gathered in */
+    float foam_range_extinction; /* 1/r: how fast T_ff turns the colour of back foam into that of front foam */
+    float foam_front_color[3];   /* linear RGB albedo of thick front foam: c_ff */
+    float foam_back_color[3];    /* of thin front foam: c_fb */
+    float foam_detail;           /* strength of the noise on the foam's thickness; 0: smooth spheres */
 };
 
 /* All defaults. size: sizeof(struct mns_params) as the caller knows it. */

@@ -65,19 +65,25 @@ MNS_API mns_result mns_renderer_prepare_diffuse(mns_renderer *renderer, const st
 
 /* The images that a draw can produce. */
 enum mns_layer {
-    MNS_LAYER_BEAUTY = 0,        /* [h][w][4] colour, straight alpha: the picture, or what `display` asks for */
-    MNS_LAYER_DEPTH_RAW = 1,     /* [h][w] metres: nearest sphere; +inf where there is none */
-    MNS_LAYER_DEPTH = 2,         /* [h][w] metres: smoothed; +inf where no fluid shows */
-    MNS_LAYER_THICKNESS_RAW = 3, /* [h][w] metres along the pixel's ray */
-    MNS_LAYER_THICKNESS = 4,     /* [h][w] metres: blurred */
-    MNS_LAYER_NORMAL = 5,        /* [h][w][3] view space, unit length; 0 where no fluid shows */
-    MNS_LAYER_CURVATURE = 6,     /* [h][w] 1/metre: mean curvature, positive where the surface bulges towards the eye; 0 outside */
-    MNS_LAYER_COLOR = 7,         /* [h][w][3] linear RGB: thickness-weighted mean colour of the particles, blurred; 0 outside */
-    MNS_LAYER_TRANSMITTANCE = 8, /* [h][w][3] part of the light from behind that comes through; 1 outside */
-    MNS_LAYER_ALPHA = 9,         /* [h][w] 1 - mean transmittance; 0 outside */
-    MNS_LAYER_SCENE_COLOR = 10,  /* [h][w][3] colour: what is behind the fluid */
-    MNS_LAYER_SCENE_DEPTH = 11,  /* [h][w] metres: opaque things; +inf for the sky */
-    MNS_LAYER_COUNT = 12
+    MNS_LAYER_BEAUTY = 0,          /* [h][w][4] colour, straight alpha: the picture, or what `display` asks for */
+    MNS_LAYER_DEPTH_RAW = 1,       /* [h][w] metres: nearest sphere; +inf where there is none */
+    MNS_LAYER_DEPTH = 2,           /* [h][w] metres: smoothed; +inf where no fluid shows */
+    MNS_LAYER_THICKNESS_RAW = 3,   /* [h][w] metres along the pixel's ray */
+    MNS_LAYER_THICKNESS = 4,       /* [h][w] metres: blurred */
+    MNS_LAYER_NORMAL = 5,          /* [h][w][3] view space, unit length; 0 where no fluid shows */
+    MNS_LAYER_CURVATURE = 6,       /* [h][w] 1/metre: mean curvature, positive where the surface bulges towards the eye; 0 outside */
+    MNS_LAYER_COLOR = 7,           /* [h][w][3] linear RGB: thickness-weighted mean colour of the particles, blurred; 0 outside */
+    MNS_LAYER_TRANSMITTANCE = 8,   /* [h][w][3] part of the light from behind that comes through; 1 outside */
+    MNS_LAYER_ALPHA = 9,           /* [h][w] 1 - mean transmittance; 0 outside */
+    MNS_LAYER_SCENE_COLOR = 10,    /* [h][w][3] colour: what is behind the fluid */
+    MNS_LAYER_SCENE_DEPTH = 11,    /* [h][w] metres: opaque things; +inf for the sky */
+    MNS_LAYER_NOISE = 12,          /* [h][w] what the particles' patterns sum to, about -1 to 1; 0 outside, and unless foam is noise */
+    MNS_LAYER_FOAM_DEPTH = 13,     /* [h][w] metres: nearest foam that shows; +inf where none does, and unless foam is layered */
+    MNS_LAYER_FOAM_THICKNESS = 14, /* [h][w] metres along the ray, with its detail: T_f of [BSW10] */
+    MNS_LAYER_FOAM_FRONT_THICKNESS = 15, /* [h][w] metres: of the foam within foam_range of its depth: T_ff */
+    MNS_LAYER_THICKNESS_FRONT = 16,      /* [h][w] metres: of the water before the foam, T_wf; 0 where there is no foam */
+    MNS_LAYER_THICKNESS_BACK = 17,       /* [h][w] metres: of the water behind it, T_wb; thickness_front + thickness_back = thickness */
+    MNS_LAYER_COUNT = 18
 };
 
 MNS_API const char *mns_layer_name(enum mns_layer layer);                 /* "depth_raw"; NULL for an unknown value */

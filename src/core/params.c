@@ -146,6 +146,21 @@ static const struct mns_param table[] = {
     {FLOAT(noise_cooldown, 0, 1e9, -1), AUTO, .unit = "s", .group = "foam", .help = "until such noise is gone; auto: 2 V / gravity"},
     {FLOAT(noise_calm, 0, 1, 0.3), .unit = "", .group = "foam",
      .help = "noise without such a change, of particles with the Weber number foam_weber_high; less where they are slower"},
+
+    {FLOAT(foam_radius, 0.05, 10, 1.2), .unit = "r", .group = "foam",
+     .help = "layered: splat radius of a foam particle full-grown; its volume is that of its water"},
+    {FLOAT(foam_extinction, 0, 1000, 0.6), .unit = "1/r", .group = "foam",
+     .help = "layered: how fast foam hides what is behind it ([BSW10] eq. 8)"},
+    {FLOAT(foam_range, 0, 1000, 4), .unit = "r", .group = "foam",
+     .help = "layered: delta_foam, how far behind its first sphere foam counts as front foam ([BSW10] 5.3)"},
+    {FLOAT(foam_range_extinction, 0, 1000, 0.6), .unit = "1/r", .group = "foam",
+     .help = "layered: how fast the thickness of front foam turns the back colour into the front colour"},
+    {FLOAT3(foam_front_color, 0, 1, 0.75, 0.78, 0.8), .unit = "", .group = "foam",
+     .help = "layered: linear colour of thick front foam in white light, c_ff of [BSW10]"},
+    {FLOAT3(foam_back_color, 0, 1, 0.25, 0.3, 0.33), .unit = "", .group = "foam",
+     .help = "layered: linear colour of thin front foam, c_fb"},
+    {FLOAT(foam_detail, 0, 10, 1), .unit = "", .group = "foam",
+     .help = "layered: strength of the noise on the foam's thickness, which varies with its age; 0: smooth spheres"},
 };
 
 enum { ROWS = sizeof(table) / sizeof(table[0]) };

@@ -202,6 +202,12 @@ mns_result mns_cpu_blur(struct backend *cpu, const struct frame *frame)
     return MNS_OK;
 }
 
+void mns_cpu_blur_plane(struct backend *cpu, const struct frame *frame, const struct plane *in, struct plane *out)
+{
+    struct blur_run run = {.cpu = cpu, .frame = frame, .scale = cpu->raw.scale, .width = in->width, .height = in->height};
+    blur_plane(&run, in, out);
+}
+
 void mns_blur_destroy(struct backend *cpu)
 {
     mns_plane_free(&cpu->blur_half, cpu->host.memory);

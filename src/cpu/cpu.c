@@ -36,6 +36,7 @@ static void destroy(struct backend *cpu)
     mns_bin_destroy(cpu);
     mns_scene_destroy(cpu);
     mns_blur_destroy(cpu);
+    mns_foam_destroy(cpu);
     free_thickness(&cpu->raw, memory);
     free_thickness(&cpu->blurred, memory);
     mns_depth_plane_free(&cpu->depth_raw, memory);
@@ -86,6 +87,7 @@ const struct backend_functions mns_backend_cpu = {
                [STAGE_SPLAT] = mns_cpu_splat,
                [STAGE_SMOOTH] = mns_cpu_smooth,
                [STAGE_BLUR] = mns_cpu_blur,
+               [STAGE_FOAM] = mns_cpu_foam,
                [STAGE_SHADE] = mns_cpu_shade},
     .light = mns_cpu_light,
     .stats = stats,

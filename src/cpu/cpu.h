@@ -52,6 +52,7 @@ struct backend {
     struct thickness_image raw;         /* splat */
     struct thickness_image blurred;     /* blur */
     struct plane blur_half, blur_decay; /* blur: between its two passes, and how fast the Gaussian of each texel falls */
+    struct foam *foam;                  /* foam: NULL until there is some */
     struct scene_image scene;           /* scene */
     struct backend_stats stats;
 };
@@ -62,15 +63,20 @@ mns_result mns_cpu_bin(struct backend *cpu, const struct frame *frame);
 mns_result mns_cpu_splat(struct backend *cpu, const struct frame *frame);
 mns_result mns_cpu_smooth(struct backend *cpu, const struct frame *frame);
 mns_result mns_cpu_blur(struct backend *cpu, const struct frame *frame);
+mns_result mns_cpu_foam(struct backend *cpu, const struct frame *frame);
 mns_result mns_cpu_shade(struct backend *cpu, const struct frame *frame);
 
 /* Chunks of a store per tile, its radii `larger` times as large, in cpu->tiles[kind]. */
 mns_result mns_cpu_bin_store(struct backend *cpu, const struct frame *frame, enum store_kind kind, float larger);
 
+/* Blurs another plane of the thickness's texels, with a border, as the thickness was: after stage blur. out has a border of 1, the edge repeated. */
+void mns_cpu_blur_plane(struct backend *cpu, const struct frame *frame, const struct plane *in, struct plane *out);
+
 /* What a stage holds beyond the planes above, given back when the backend goes. */
 void mns_bin_destroy(struct backend *cpu);
 void mns_scene_destroy(struct backend *cpu); /* the scene image and the shadow */
 void mns_blur_destroy(struct backend *cpu);
+void mns_foam_destroy(struct backend *cpu);
 
 /* Runs job(context, i) for i in [0, jobs) with the host's threads. */
 static inline void cpu_run(struct backend *cpu, void (*job)(void *context, int index), void *context, int jobs)

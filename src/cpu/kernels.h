@@ -7,6 +7,7 @@
 
 #include "cpu/blur.h"
 #include "cpu/ellipsoid.h"
+#include "cpu/foam.h"
 #include "cpu/scene.h"
 #include "cpu/shade.h"
 #include "cpu/smooth.h"
@@ -17,6 +18,7 @@ struct kernels {
     const struct ellipsoid_kernels *ellipsoid; /* splat: particles with a shape */
     const struct smooth_kernels *smooth;
     const struct blur_kernels *blur;
+    const struct foam_kernels *foam;
     const struct scene_kernels *scene;
     const struct shade_kernels *shade;
 };

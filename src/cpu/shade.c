@@ -3,12 +3,16 @@
 
 #include "cpu/cpu.h"
 #include "cpu/display.h"
+#include "cpu/splat.h"
 
 #include <math.h>
 #include <string.h>
 
 /* Part of the light on a white surface that deep fluid of a white particle colour scatters back. */
 static const float SCATTER_WHITE = 0.3f;
+
+/* Foam about the water's surface: within this many R of it the surface in front changes smoothly from one to the other. */
+static const float FOAM_BLEND = 1;
 
 /* Whole rows at a time: the scene comes from memory in streams that are as long as can be. */
 enum { ROWS_PER_JOB = 16 };
@@ -21,6 +25,7 @@ struct shade_run {
     const struct frame *frame;
     struct shade_optics optics;
     const struct plane *surface; /* depth that is shaded: smoothed, or raw in display spheres */
+    const struct foam *foam;     /* NULL: none shows */
     struct display_range range;
     float gain;
     bool has_color, needs_color, needs_curvature, needs_optics, needs_layers;
@@ -48,6 +53,9 @@ static void resolve_optics(struct shade_optics *out, const struct backend *cpu, 
                                  .shininess = params->shininess,
                                  .scene = cpu->scene.color,
                                  .scene_stride = cpu->scene.stride,
+                                 .foam_extinction = params->foam_extinction / frame->splat_radius,
+                                 .foam_range_extinction = params->foam_range_extinction / frame->splat_radius,
+                                 .foam_blend = FOAM_BLEND * frame->splat_radius,
                                  .width = view->width,
                                  .height = view->height,
                                  .transparent = params->background == MNS_BACKGROUND_TRANSPARENT && !frame->scene};
@@ -64,6 +72,8 @@ static void resolve_optics(struct shade_optics *out, const struct backend *cpu, 
         out->scatter[c] = params->fluid_color[c] * light;
         out->scatter_light[c] = SCATTER_WHITE * light;
         out->opaque[c] = params->opaque_color[c];
+        out->foam_front[c] = params->foam_front_color[c] * light;
+        out->foam_back[c] = params->foam_back_color[c] * light;
     }
 }
 
@@ -83,6 +93,46 @@ static void sample_thickness(const struct shade_run *run, struct shade_row *row)
             row->color[c][i] = row->thickness[i] > 0 ? row->color[c][i] / row->thickness[i] : 0;
         }
     }
+}
+
+/* Foam at the row's pixels: its planes hold something in tiles with foam only. Returns whether there is any. */
+static bool sample_foam(const struct shade_run *run, struct shade_row *row)
+{
+    const struct foam *foam = run->foam;
+    if (!foam) {
+        return false;
+    }
+    bool any = false;
+    const unsigned char *tiles = foam->tiles + row->y / TILE_SIZE * foam->columns;
+    for (int begin = 0, end; begin < row->count; begin = end) {
+        end = (row->x + begin) / TILE_SIZE * TILE_SIZE + TILE_SIZE - row->x;
+        end = end < row->count ? end : row->count;
+        size_t bytes = sizeof(float) * (size_t)(end - begin);
+        if (tiles[(row->x + begin) / TILE_SIZE]) {
+            int x = row->x + begin;
+            memcpy(row->foam_depth + begin, foam->depth.plane.data + row->y * foam->depth.plane.stride + x, bytes);
+            memcpy(row->foam + begin, foam->thickness.data + row->y * foam->thickness.stride + x, bytes);
+            memcpy(row->foam_range + begin, foam->front.data + row->y * foam->front.stride + x, bytes);
+            any = true;
+            continue;
+        }
+        for (int i = begin; i < end; i++) {
+            row->foam_depth[i] = DEPTH_EMPTY;
+            row->foam[i] = row->foam_range[i] = 0;
+        }
+    }
+    if (any) {
+        const struct blur_kernels *blur = run->cpu->kernels->blur;
+        int top, scale = run->cpu->blurred.scale;
+        float weight = blur_rows_of(row->y, scale, &top);
+        const float *rows = foam->before.data + top * foam->before.stride;
+        blur->upsample(rows, rows + foam->before.stride, weight, scale, row->x, row->count, row->before);
+        for (int i = 0; i < row->count; i++) {
+            row->before[i] *= row->thickness[i];
+        }
+        run->cpu->kernels->shade->veil(&run->optics, row);
+    }
+    return any;
 }
 
 static void row_curvature(const struct shade_run *run, const struct shade_row *row, float *curvature)
@@ -111,7 +161,7 @@ static float *layer_at(const struct shade_run *run, enum mns_layer layer, const 
     return image ? (float *)mns_pixels_row(image, row->y) + (ptrdiff_t)image->channels * row->x : NULL;
 }
 
-static void write_layers(const struct shade_run *run, const struct shade_row *row, const float *curvature)
+static void write_layers(const struct shade_run *run, const struct shade_row *row, bool has_foam, const float *curvature)
 {
     float *depth = layer_at(run, MNS_LAYER_DEPTH, row), *normal = layer_at(run, MNS_LAYER_NORMAL, row);
     float *curved = layer_at(run, MNS_LAYER_CURVATURE, row), *color = layer_at(run, MNS_LAYER_COLOR, row);
@@ -129,9 +179,9 @@ static void write_layers(const struct shade_run *run, const struct shade_row *ro
         if (curved) {
             curved[i] = curvature[i];
         }
-        float sum = 0;
+        float sum = 0, veil = has_foam ? row->veil[i] : 1;
         for (int c = 0; c < 3; c++) {
-            float through = fluid ? row->transmittance[c][i] * (1 - row->fresnel[i]) : 1;
+            float through = veil * (fluid ? row->transmittance[c][i] * (1 - row->fresnel[i]) : 1);
             sum += through;
             if (color) {
                 color[3 * i + c] = fluid && run->has_color ? row->color[c][i] : 0;
@@ -141,12 +191,38 @@ static void write_layers(const struct shade_run *run, const struct shade_row *ro
             }
         }
         if (alpha) {
-            alpha[i] = fluid ? 1 - sum / 3 : 0;
+            alpha[i] = fluid || veil < 1 ? 1 - sum / 3 : 0;
         }
     }
 }
 
-static void draw(struct shade_run *run, struct shade_row *row, const float *curvature)
+static void write_foam_layers(const struct shade_run *run, const struct shade_row *row, bool has_foam)
+{
+    float *depth = layer_at(run, MNS_LAYER_FOAM_DEPTH, row), *foam = layer_at(run, MNS_LAYER_FOAM_THICKNESS, row);
+    float *range = layer_at(run, MNS_LAYER_FOAM_FRONT_THICKNESS, row), *front = layer_at(run, MNS_LAYER_THICKNESS_FRONT, row);
+    float *back = layer_at(run, MNS_LAYER_THICKNESS_BACK, row);
+    for (int i = 0; i < row->count; i++) {
+        bool here = has_foam && row->foam_depth[i] < DEPTH_LIMIT;
+        float before = here ? row->before[i] : 0;
+        if (depth) {
+            depth[i] = here ? row->foam_depth[i] : INFINITY;
+        }
+        if (foam) {
+            foam[i] = here ? row->foam[i] : 0;
+        }
+        if (range) {
+            range[i] = here ? row->foam_range[i] : 0;
+        }
+        if (front) {
+            front[i] = before;
+        }
+        if (back) {
+            back[i] = row->thickness[i] - before;
+        }
+    }
+}
+
+static void draw(struct shade_run *run, struct shade_row *row, bool has_foam, const float *curvature)
 {
     const struct shade_kernels *kernels = run->cpu->kernels->shade;
     switch (run->frame->params.display) {
@@ -154,7 +230,11 @@ static void draw(struct shade_run *run, struct shade_row *row, const float *curv
         if (!run->optics.transparent) {
             kernels->fetch(&run->optics, row);
         }
-        kernels->water(&run->optics, run->has_color, row);
+        if (has_foam) {
+            kernels->layered(&run->optics, run->has_color, row);
+        } else {
+            kernels->water(&run->optics, run->has_color, row);
+        }
         break;
     case MNS_DISPLAY_OPAQUE:
     case MNS_DISPLAY_SPHERES: kernels->opaque(&run->optics, run->has_color, row); break;
@@ -174,9 +254,12 @@ static void shade_row(struct shade_run *run, struct shade_row *row)
     bool diagram = mns_display_is_diagram(display);
     int found = run->cpu->kernels->shade->normals(optics, depth, run->surface->stride, scene_depth, row->x, row->y, row->count, row->nx,
                                                   row->ny, row->nz);
+    if (found > 0 || run->foam || run->needs_layers) {
+        sample_thickness(run, row);
+    }
+    bool has_foam = sample_foam(run, row);
     if (found > 0) {
         memcpy(row->depth, depth, sizeof(float) * (size_t)row->count);
-        sample_thickness(run, row);
         if (run->needs_curvature) {
             row_curvature(run, row, curvature);
         }
@@ -187,13 +270,14 @@ static void shade_row(struct shade_run *run, struct shade_row *row)
         memset(curvature, 0, sizeof(curvature));
     }
     if (run->needs_layers) {
-        write_layers(run, row, curvature);
+        write_layers(run, row, has_foam, curvature);
+        write_foam_layers(run, row, has_foam);
     }
     if (!beauty) {
         return;
     }
-    if (found > 0 || diagram) {
-        draw(run, row, curvature);
+    if (found > 0 || diagram || has_foam) {
+        draw(run, row, has_foam, curvature);
     } else {
         run->cpu->kernels->shade->split(optics->scene + 4 * (row->y * optics->scene_stride + row->x), row->count, row->out);
     }
@@ -226,6 +310,7 @@ mns_result mns_cpu_shade(struct backend *cpu, const struct frame *frame)
     const unsigned wanted = frame->wanted;
     int display = frame->params.display;
     struct shade_run run = {.cpu = cpu, .frame = frame, .gain = exp2f(frame->params.exposure)};
+    run.foam = cpu->foam && cpu->foam->shows ? cpu->foam : NULL;
     run.surface = display == MNS_DISPLAY_SPHERES ? &cpu->depth_raw.plane : &cpu->smoothed->plane;
     resolve_optics(&run.optics, cpu, frame);
     run.has_color = cpu->blurred.has_color;

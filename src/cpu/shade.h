@@ -32,6 +32,10 @@ struct shade_optics {
     float reflection, specular, shininess; /* specular: over the sun's light on a white surface */
     float opaque[3];                       /* colour of the surface where the fluid is opaque */
 
+    float foam_front[3], foam_back[3];            /* radiance of thick and of thin front foam ([BSW10]: c_ff, c_fb) */
+    float foam_extinction, foam_range_extinction; /* 1/metre, of T_f and of T_ff */
+    float foam_blend;                             /* metres about the water's surface in which the one that is in front changes */
+
     const float *scene;       /* [height + 1][scene_stride][4] linear */
     ptrdiff_t scene_stride;   /* pixels, at least 2; what is beyond width and height is finite */
     const float *scene_depth; /* NULL: nothing stands before any fluid */
@@ -48,6 +52,9 @@ struct shade_row {
     float color[3][SHADE_SPAN];         /* of the particles, where they have one */
     float transmittance[3][SHADE_SPAN]; /* of the fluid's body, without its surface */
     float fresnel[SHADE_SPAN];
+    float foam_depth[SHADE_SPAN], foam[SHADE_SPAN], foam_range[SHADE_SPAN],
+        before[SHADE_SPAN];                       /* its depth, T_f, T_ff; T_wf of the water */
+    float veil[SHADE_SPAN];                       /* part that comes through the foam */
     float look_x[SHADE_SPAN], look_y[SHADE_SPAN]; /* where the scene is looked up: pixel centres at whole numbers, inside the picture */
     float behind[4 * SHADE_SPAN];                 /* what was found there: [count][4] */
     float out[4][SHADE_SPAN];                     /* linear, straight alpha; a plane per channel */
@@ -99,6 +106,13 @@ struct shade_kernels {
 
     /* out: the fluid over what is behind ([LGS09] eq. 13 and 14). 1e-4 of the largest value: the highlight is a high power. */
     void (*water)(const struct shade_optics *optics, bool has_color, struct shade_row *row);
+
+    /* Of a row with foam: veil, from foam; before held to the thickness. 2e-6. */
+    void (*veil)(const struct shade_optics *optics, struct shade_row *row);
+
+    /* water, of a row with foam ([BSW10] eq. 7 to 10), which shows before and behind the water and without any: light is reflected by whichever is in
+     * front. As water. */
+    void (*layered)(const struct shade_optics *optics, bool has_color, struct shade_row *row);
 
     /* out: an opaque surface in the same light, the pixel's own scene where no fluid is. As water. */
     void (*opaque)(const struct shade_optics *optics, bool has_color, struct shade_row *row);

@@ -142,7 +142,9 @@ static void layers_job(void *context, int y)
 
 mns_result mns_cpu_splat(struct backend *cpu, const struct frame *frame)
 {
-    if (!resize(cpu, frame) || !mns_scratch_reserve(cpu->scratch, &cpu->tiles[STORE_WATER], cpu->host.memory, cpu->host.threads)) {
+    const struct tiles *tiles = &cpu->tiles[STORE_WATER];
+    int sums = tiles->view.has_color ? SUM_COUNT : 1;
+    if (!resize(cpu, frame) || !mns_scratch_reserve(cpu->scratch, tiles, sums, cpu->host.memory, cpu->host.threads)) {
         return cpu_out_of_memory(cpu);
     }
     struct splat splat = {.cpu = cpu};

@@ -99,10 +99,10 @@ static void clear_depth(const struct splat_view *view, struct splat_tile *tile)
     }
 }
 
-static void clear_thickness(const struct splat_view *view, struct splat_tile *tile)
+void mns_tile_clear(const struct splat_view *view, struct splat_tile *tile, int sums)
 {
     int rows = TILE_SIZE / view->scale;
-    for (int k = 0; k < (view->has_color ? SUM_COUNT : 1); k++) {
+    for (int k = 0; k < sums; k++) {
         for (int y = 0; y < rows; y++) {
             memset(tile->sums[k] + y * TILE_STRIDE, 0, (size_t)(rows + 16) * sizeof(float)); /* and what a vector may touch */
         }
@@ -113,14 +113,8 @@ static void clear_thickness(const struct splat_view *view, struct splat_tile *ti
     tile->deposited = false;
 }
 
-/* Whether the eye is close, or a plane cuts it. */
-static bool is_cut(const struct splat_view *view, const struct tile_chunk *chunk)
-{
-    return chunk->sprite > DEPTH_LIMIT || chunk->near_depth < view->near_plane || chunk->far_depth > view->far_plane;
-}
-
 /* Ranges of the scene's depth in the tile's smallest blocks: down the columns of a row of blocks first, since that runs in vectors. */
-static void measure_scene(const struct splat_tile *tile, const struct plane *depth, struct cut_scene *scene)
+void mns_tile_measure(const struct splat_tile *tile, const struct plane *depth, struct cut_scene *scene)
 {
     enum { COLUMNS = TILE_SIZE >> BLOCK_SHIFT_X, WIDTH = 1 << BLOCK_SHIFT_X, HEIGHT = 1 << BLOCK_SHIFT_Y };
     scene->depth = depth;
@@ -161,7 +155,7 @@ static void draw_chunk_thickness(const struct splat_view *view, const struct spl
         end = chunk->far_depth > range.min ? range.min : DEPTH_EMPTY;
     }
     uint64_t which = UINT64_MAX;
-    if (!is_cut(view, chunk)) {
+    if (!tile_chunk_is_cut(view, chunk)) {
         which = kernels->thickness(view, tile, entry->id, end);
     }
     if (which != 0) {
@@ -174,9 +168,9 @@ void mns_tile_thickness(const struct tiles *tiles, const struct splat_kernels *k
 {
     const struct splat_view *view = &tiles->view;
     const struct cut_scene *scene = NULL;
-    clear_thickness(view, &scratch->tile);
+    mns_tile_clear(view, &scratch->tile, view->has_color ? SUM_COUNT : 1);
     if (end) {
-        measure_scene(&scratch->tile, end, &scratch->scene);
+        mns_tile_measure(&scratch->tile, end, &scratch->scene);
         scene = &scratch->scene;
     }
     for (size_t i = 0; i < count; i++) {
@@ -255,7 +249,7 @@ void mns_tile_depth(const struct tiles *tiles, const struct splat_kernels *kerne
         if (fmaxf(chunk->near_depth, view->near_plane - view->slack) >= limit) {
             continue;
         }
-        if (is_cut(view, chunk)) {
+        if (tile_chunk_is_cut(view, chunk)) {
             scratch->particles_splatted += mns_cut_depth(view, tile, entry->id, limit);
         } else {
             scratch->particles_splatted += kernels->depth(view, tile, entry->id, limit);

@@ -32,7 +32,7 @@ static bool reserve_tile(struct splat_tile *tile, struct memory *memory, int sum
     return done;
 }
 
-bool mns_scratch_reserve(struct tiles_scratch *all, const struct tiles *tiles, struct memory *memory, int threads)
+bool mns_scratch_reserve(struct tiles_scratch *all, const struct tiles *tiles, int sums, struct memory *memory, int threads)
 {
     if (all->count != threads) {
         mns_scratch_free(all, memory);
@@ -45,7 +45,6 @@ bool mns_scratch_reserve(struct tiles_scratch *all, const struct tiles *tiles, s
             all->threads[i] = (struct tile_scratch){0};
         }
     }
-    int sums = tiles->view.has_color ? SUM_COUNT : 1;
     bool done = true;
     for (int i = 0; i < threads && done; i++) {
         struct tile_scratch *scratch = &all->threads[i];

@@ -49,12 +49,24 @@ struct tiles_scratch {
 
 void mns_tiles_free(struct tiles *tiles, struct memory *memory);
 
-/* One piece of scratch per thread, each with room for the fullest tile. false: out of memory. */
-bool mns_scratch_reserve(struct tiles_scratch *scratch, const struct tiles *tiles, struct memory *memory, int threads);
+/* One piece of scratch per thread, each with room for the fullest tile and so many sums. false: out of memory. */
+bool mns_scratch_reserve(struct tiles_scratch *scratch, const struct tiles *tiles, int sums, struct memory *memory, int threads);
 void mns_scratch_free(struct tiles_scratch *scratch, struct memory *memory);
 
 /* Takes a tile's chunks up; what follows draws them. Returns how many there are. */
 size_t mns_tile_begin(const struct tiles *tiles, size_t index, struct tile_scratch *scratch);
+
+/* Ranges of depths of the picture in the tile. */
+void mns_tile_measure(const struct splat_tile *tile, const struct plane *depth, struct cut_scene *scene);
+
+/* Whether the eye is close to a chunk, or a plane cuts it. */
+static inline bool tile_chunk_is_cut(const struct splat_view *view, const struct tile_chunk *chunk)
+{
+    return chunk->sprite > DEPTH_LIMIT || chunk->near_depth < view->near_plane || chunk->far_depth > view->far_plane;
+}
+
+/* Empties tile.sums and tile.cells. */
+void mns_tile_clear(const struct splat_view *view, struct splat_tile *tile, int sums);
 
 /* tile.sums and tile.cells: the thickness of the tile's chunks, before depth `end` (NULL: none) where that may cut them. */
 void mns_tile_thickness(const struct tiles *tiles, const struct splat_kernels *kernels, struct tile_scratch *scratch, size_t count,

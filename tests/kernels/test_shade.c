@@ -54,6 +54,11 @@ static struct shade_optics optics_of(int mode, float scale)
                              .specular = 1,
                              .shininess = 300,
                              .opaque = {0.1f, 0.3f, 0.6f},
+                             .foam_front = {0.9f, 0.9f, 1},
+                             .foam_back = {0.2f, 0.3f, 0.3f},
+                             .foam_extinction = 3 / scale,
+                             .foam_range_extinction = 5 / scale,
+                             .foam_blend = 0.3f * scale,
                              .scene = scene,
                              .scene_stride = SCENE_STRIDE,
                              .scene_depth = mode & 4 ? scene_depth : NULL,
@@ -87,6 +92,10 @@ static void prepare(const struct shade_optics *o, bool has_color, struct shade_r
     memcpy(row->depth, depth + y * STRIDE, sizeof(float) * (size_t)row->count);
     for (int i = 0; i < row->count; i++) {
         row->thickness[i] = (uniform(0, 1) < 0.1f ? 0 : uniform(0, 3)) / o->absorption[0];
+        row->foam[i] = (uniform(0, 1) < 0.5f ? 0 : uniform(0, 2)) / o->foam_extinction;
+        row->foam_range[i] = row->foam[i] * uniform(0, 1);
+        row->foam_depth[i] = row->foam[i] > 0 ? row->depth[i] + uniform(-1, 1) * o->foam_blend : DEPTH_EMPTY;
+        row->before[i] = row->thickness[i] * uniform(-0.1f, 1.1f);
         for (int c = 0; c < 3; c++) {
             row->color[c][i] = uniform(-0.2f, 1.2f);
         }
@@ -164,6 +173,12 @@ static void compare_colors(const struct shade_optics *o, const struct shade_kern
     struct shade_row expected = *row, got = *row;
     scalar->water(o, has_color, &expected);
     vector->water(o, has_color, &got);
+    compare_out(&got, &expected);
+    scalar->veil(o, &expected);
+    vector->veil(o, &got);
+    assert_near(got.veil, expected.veil, row->count, 4e-6f);
+    scalar->layered(o, has_color, &expected);
+    vector->layered(o, has_color, &got);
     compare_out(&got, &expected);
     scalar->opaque(o, has_color, &expected);
     vector->opaque(o, has_color, &got);

@@ -255,11 +255,57 @@ static bool meet_surface(const struct shade_optics *o, struct shade_row *row, in
     return true;
 }
 
-static void water(const struct shade_optics *o, bool has_color, struct shade_row *row)
+static void veil(const struct shade_optics *o, struct shade_row *row)
+{
+    for (int i = 0; i < row->count; i++) {
+        row->veil[i] = expf(-fminf(o->foam_extinction * row->foam[i], 80));
+        row->before[i] = row->nz[i] != 0 ? clamp(row->before[i], 0, row->thickness[i]) : 0;
+    }
+}
+
+/* What the foam itself adds where it hides everything, of one channel. Thick front foam shows the front colour: the lerp printed in [BSW10] 5.3 is the other
+ * way round. */
+static float foam_radiance(const struct shade_optics *o, const struct shade_row *row, int i, int c)
+{
+    float thin = expf(-fminf(o->foam_range_extinction * row->foam_range[i], 80));
+    return o->foam_front[c] + (o->foam_back[c] - o->foam_front[c]) * thin;
+}
+
+/* Foam alone, over the pixel's own scene. */
+static void put_foam(const struct shade_optics *o, struct shade_row *row, int i)
+{
+    const float *scene = o->scene + 4 * (row->y * o->scene_stride + row->x + i);
+    float through = row->veil[i] * scene[3], alpha = through + 1 - row->veil[i], out[4] = {0, 0, 0, alpha};
+    for (int c = 0; c < 3 && alpha > 0; c++) {
+        out[c] = (scene[c] * through + foam_radiance(o, row, i, c) * (1 - row->veil[i])) / alpha;
+    }
+    put(row, i, out);
+}
+
+/* Light that comes to the eye through the water and its foam, and what the surface at the pixel adds; in *covers what is hidden of the scene. */
+static float layers_at(const struct shade_optics *o, bool has_color, const struct shade_row *row, int i, int c, float behind, float scatter,
+                       float surface, float *covers)
+{
+    float through = row->transmittance[c][i], enters = 1 - row->fresnel[i], veil = row->veil[i], foam = foam_radiance(o, row, i, c);
+    float absorption =
+        has_color ? o->absorption_mean * SHADE_TINT * (SHADE_TINT_LEAST + 1 - clamp(row->color[c][i], 0, 1)) : o->absorption[c];
+    float front = expf(-fminf(absorption * row->before[i], 80)), back = expf(-fminf(absorption * (row->thickness[i] - row->before[i]), 80));
+    float under = (scatter + (behind - scatter) * back) * veil + foam * (1 - veil);                       /* [BSW10] eq. 7 and 8 */
+    float wet = enters * (scatter + (under - scatter) * front) + surface;                                 /* eq. 9 and 10 */
+    float dry = (enters * (scatter + (behind - scatter) * through) + surface) * veil + foam * (1 - veil); /* the foam before the water */
+    float share = clamp(0.5f + (row->foam_depth[i] - row->depth[i]) / o->foam_blend, 0, 1);
+    *covers = 1 - enters * through * veil;
+    return dry + share * (wet - dry);
+}
+
+static void shade_water(const struct shade_optics *o, bool has_color, bool has_foam, struct shade_row *row)
 {
     for (int i = 0; i < row->count; i++) {
         struct surface at;
         if (!meet_surface(o, row, i, &at)) {
+            if (has_foam && row->foam[i] > 0) {
+                put_foam(o, row, i);
+            }
             continue;
         }
         float out[4], enters = 1 - row->fresnel[i], covers = 0, largest = 0;
@@ -269,9 +315,13 @@ static void water(const struct shade_optics *o, bool has_color, struct shade_row
             float mirrored = at.mirrored[c] + (o->transparent ? 0 : below * fminf(behind - at.mirrored[c], 0));
             float scatter = has_color ? o->scatter_light[c] * clamp(row->color[c][i], 0, 1) : o->scatter[c];
             /* [LGS09] eq. 14 with a coefficient per channel, then eq. 13. */
-            float body = behind * through + scatter * (1 - through);
+            float body = behind * through + scatter * (1 - through), hidden = 1 - enters * through;
             out[c] = enters * body + o->reflection * row->fresnel[i] * mirrored + at.glint * o->sky.sun_light[c];
-            covers += (1 - enters * through) * (1 / 3.0f);
+            if (has_foam && row->foam[i] > 0) {
+                float surface = o->reflection * row->fresnel[i] * mirrored + at.glint * o->sky.sun_light[c];
+                out[c] = layers_at(o, has_color, row, i, c, behind, scatter, surface, &hidden);
+            }
+            covers += hidden * (1 / 3.0f);
             largest = fmaxf(largest, out[c]);
         }
         /* Without a background what the fluid adds is all there is; alpha makes room for it, so that no colour is above 1 that need not be. */
@@ -283,6 +333,10 @@ static void water(const struct shade_optics *o, bool has_color, struct shade_row
         put(row, i, out);
     }
 }
+
+static void water(const struct shade_optics *o, bool has_color, struct shade_row *row) { shade_water(o, has_color, false, row); }
+
+static void layered(const struct shade_optics *o, bool has_color, struct shade_row *row) { shade_water(o, has_color, true, row); }
 
 static void opaque(const struct shade_optics *o, bool has_color, struct shade_row *row)
 {
@@ -340,6 +394,8 @@ const struct shade_kernels mns_shade_kernels_scalar = {.normals = normals,
                                                        .optics = optics,
                                                        .fetch = fetch,
                                                        .water = water,
+                                                       .veil = veil,
+                                                       .layered = layered,
                                                        .opaque = opaque,
                                                        .split = split,
                                                        .encode = encode};

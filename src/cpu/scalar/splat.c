@@ -159,13 +159,6 @@ static uint64_t thickness(const struct splat_view *view, struct splat_tile *tile
     return left_out;
 }
 
-/* |v|^2 of the ray through place (x, y) of the grid. */
-static float ray_length2(const struct splat_view *view, const struct splat_grid *grid, int x, int y)
-{
-    float u = ((float)x + 0.5f - grid->cx) / grid->fx, w = ((float)y + 0.5f - grid->cy) / grid->fy;
-    return view->orthographic ? 1 : u * u + w * w + 1;
-}
-
 static size_t resolve_depth(const struct splat_view *view, const struct splat_tile *tile, struct depth_plane *out)
 {
     size_t covered = 0;

@@ -52,6 +52,13 @@ static inline void update_farthest(struct splat_tile *tile, const struct span *s
     }
 }
 
+/* |v|^2 of the ray through place (x, y) of the grid. */
+static inline float ray_length2(const struct splat_view *view, const struct splat_grid *grid, int x, int y)
+{
+    float u = ((float)x + 0.5f - grid->cx) / grid->fx, w = ((float)y + 0.5f - grid->cy) / grid->fy;
+    return view->orthographic ? 1 : u * u + w * w + 1;
+}
+
 /* weight, and weight * colour. */
 static inline int amounts_of(const struct splat_view *view, size_t particle, float amount, float out[SUM_COUNT])
 {

@@ -162,6 +162,19 @@ SIMD void look_up(const struct shade_optics *o, struct shade_row *row, int i, st
     vf_storeu(row->look_y + i, mirror(look_y, (float)(o->height - 1)));
 }
 
+/* e^-(extinction * thickness) */
+SIMD vf through_of(vf extinction, vf thickness) { return vf_exp(vf_neg(vf_min(extinction * thickness, vf_set1(80.0f)))); }
+
+SIMD vf absorption_of(const struct shade_optics *o, bool has_color, const struct shade_row *row, int i, int c)
+{
+    vf absorption = vf_set1(o->absorption[c]);
+    if (has_color) {
+        vf color = vf_saturate(vf_loadu(row->color[c] + i));
+        absorption = vf_set1(o->absorption_mean * SHADE_TINT) * (vf_set1(SHADE_TINT_LEAST + 1) - color);
+    }
+    return absorption;
+}
+
 static void optics(const struct shade_optics *o, bool has_color, struct shade_row *row)
 {
     for (int i = 0; i < row->count; i += VLEN) {
@@ -173,12 +186,7 @@ static void optics(const struct shade_optics *o, bool has_color, struct shade_ro
         vf cosine = vf_saturate(vf_neg(v3_dot(n, v))), thickness = vf_loadu(row->thickness + i);
         vf_storeu(row->fresnel + i, fresnel(o, cosine));
         for (int c = 0; c < 3; c++) {
-            vf absorption = vf_set1(o->absorption[c]);
-            if (has_color) {
-                vf color = vf_saturate(vf_loadu(row->color[c] + i));
-                absorption = vf_set1(o->absorption_mean * SHADE_TINT) * (vf_set1(SHADE_TINT_LEAST + 1) - color);
-            }
-            vf_storeu(row->transmittance[c] + i, vf_exp(vf_neg(vf_min(absorption * thickness, vf_set1(80.0f)))));
+            vf_storeu(row->transmittance[c] + i, through_of(absorption_of(o, has_color, row, i, c), thickness));
         }
         look_up(o, row, i, n, v, cosine);
     }
@@ -295,7 +303,54 @@ SIMD void over_nothing(vf covers, vf out[4])
     }
 }
 
-SIMD void water_at(const struct shade_optics *o, bool has_color, const struct shade_row *row, int i, struct v3 n, vf out[4])
+static void veil(const struct shade_optics *o, struct shade_row *row)
+{
+    for (int i = 0; i < row->count; i += VLEN) {
+        vm fluid = vf_lt(vf_zero(), vf_abs(vf_loadu(row->nz + i)));
+        vf before = vf_clamp(vf_loadu(row->before + i), vf_zero(), vf_loadu(row->thickness + i));
+        vf_storeu(row->veil + i, through_of(vf_set1(o->foam_extinction), vf_loadu(row->foam + i)));
+        vf_storeu(row->before + i, vf_keep(fluid, before));
+    }
+}
+
+/* b where t is 1. */
+SIMD vf mix(vf a, vf b, vf t) { return vf_fma(t, b - a, a); }
+
+SIMD vf foam_radiance(const struct shade_optics *o, const struct shade_row *row, int i, int c)
+{
+    vf thin = through_of(vf_set1(o->foam_range_extinction), vf_loadu(row->foam_range + i));
+    return vf_fma(vf_set1(o->foam_back[c] - o->foam_front[c]), thin, vf_set1(o->foam_front[c]));
+}
+
+/* layers_at of the plain C. */
+SIMD vf layers_at(const struct shade_optics *o, bool has_color, const struct shade_row *row, int i, int c, vf behind, vf scatter,
+                  vf surface, vf enters)
+{
+    vf absorption = absorption_of(o, has_color, row, i, c), before = vf_loadu(row->before + i), foam = foam_radiance(o, row, i, c);
+    vf front = through_of(absorption, before), back = through_of(absorption, vf_loadu(row->thickness + i) - before);
+    vf veil = vf_loadu(row->veil + i), under = mix(foam, vf_fma(back, behind - scatter, scatter), veil);
+    vf wet = vf_fma(enters, vf_fma(front, under - scatter, scatter), surface);
+    vf body = vf_fma(vf_loadu(row->transmittance[c] + i), behind - scatter, scatter), dry = mix(foam, vf_fma(enters, body, surface), veil);
+    vf share = (vf_loadu(row->foam_depth + i) - vf_loadu(row->depth + i)) * vf_set1(1 / o->foam_blend) + vf_set1(0.5f);
+    return mix(dry, wet, vf_saturate(share));
+}
+
+/* Where no water is: foam over the pixels' own scene. */
+SIMD void put_foam(const struct shade_optics *o, struct shade_row *row, int i, vm where)
+{
+    vf veil = vf_loadu(row->veil + i), over = vf_set1(1.0f) - veil, own[4];
+    for (int c = 0; c < 4; c++) {
+        own[c] = vf_loadu(row->out[c] + i);
+    }
+    vf through = veil * own[3], alpha = through + over, per_alpha = vf_rcp(vf_max(alpha, vf_set1(1e-20f)));
+    for (int c = 0; c < 3; c++) {
+        vf color = vf_fma(own[c], through, foam_radiance(o, row, i, c) * over) * per_alpha;
+        vf_storeu(row->out[c] + i, vf_select(where, color, own[c]));
+    }
+    vf_storeu(row->out[3] + i, vf_select(where, alpha, own[3]));
+}
+
+SIMD void water_at(const struct shade_optics *o, bool has_color, vm foam, const struct shade_row *row, int i, struct v3 n, vf out[4])
 {
     struct v3 v = rays(o, row->x + i, row->y);
     vf one = vf_set1(1.0f), cosine = vf_saturate(vf_neg(v3_dot(n, v))), shine = vf_loadu(row->fresnel + i), enters = one - shine,
@@ -315,7 +370,12 @@ SIMD void water_at(const struct shade_optics *o, bool has_color, const struct sh
         }
         vf body = vf_fma(through, behind[c] - scatter, scatter);
         mirrored[c] = vf_fma(below, vf_min(behind[c] - mirrored[c], vf_zero()), mirrored[c]);
-        out[c] = vf_fma(enters, body, vf_fma(shine, mirrored[c], glint * vf_set1(o->sky.sun_light[c])));
+        vf surface = vf_fma(shine, mirrored[c], glint * vf_set1(o->sky.sun_light[c]));
+        out[c] = vf_fma(enters, body, surface);
+        if (vm_any(foam)) {
+            out[c] = vf_select(foam, layers_at(o, has_color, row, i, c, behind[c], scatter, surface, enters), out[c]);
+            through = through * vf_select(foam, vf_loadu(row->veil + i), one);
+        }
         covers = vf_fma(vf_fnma(enters, through, one), vf_set1(1 / 3.0f), covers);
     }
     out[3] = one;
@@ -335,18 +395,29 @@ static void split(const float *rgba, int count, float planes[4][SHADE_SPAN])
     }
 }
 
-static void water(const struct shade_optics *o, bool has_color, struct shade_row *row)
+SIMD void shade_water(const struct shade_optics *o, bool has_color, bool has_foam, struct shade_row *row)
 {
     for (int i = 0; i < row->count; i += VLEN) {
         struct v3 n = row_normals(row, i);
-        vm fluid = vm_and(vf_lt(vf_zero(), v3_dot(n, n)), vm_first(row->count - i));
+        vm inside = vm_first(row->count - i), fluid = vm_and(vf_lt(vf_zero(), v3_dot(n, n)), inside), foam = vm_first(0);
+        if (has_foam) {
+            foam = vm_and(inside, vf_lt(vf_zero(), vf_loadu(row->foam + i)));
+        }
         vf out[4] = {vf_zero(), vf_zero(), vf_zero(), vf_zero()};
         if (vm_any(fluid)) {
-            water_at(o, has_color, row, i, n, out);
+            water_at(o, has_color, foam, row, i, n, out);
         }
         store_over(o, row, i, fluid, out);
+        vm alone = vm_and(foam, vm_not(fluid));
+        if (has_foam && vm_any(alone)) {
+            put_foam(o, row, i, alone);
+        }
     }
 }
+
+static void water(const struct shade_optics *o, bool has_color, struct shade_row *row) { shade_water(o, has_color, false, row); }
+
+static void layered(const struct shade_optics *o, bool has_color, struct shade_row *row) { shade_water(o, has_color, true, row); }
 
 static void opaque(const struct shade_optics *o, bool has_color, struct shade_row *row)
 {
@@ -462,6 +533,8 @@ const struct shade_kernels SIMD_NAME(mns_shade_kernels) = {.normals = normals,
                                                            .optics = optics,
                                                            .fetch = fetch,
                                                            .water = water,
+                                                           .veil = veil,
+                                                           .layered = layered,
                                                            .opaque = opaque,
                                                            .split = split,
                                                            .encode = encode};

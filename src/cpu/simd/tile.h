@@ -100,7 +100,7 @@ SIMD float most_in(const float *row, int width, int height)
     return vf_reduce_max(most);
 }
 
-static void update_farthest(struct splat_tile *tile, int x0, int x1, int y0, int y1)
+static inline void update_farthest(struct splat_tile *tile, int x0, int x1, int y0, int y1)
 {
     int columns = TILE_SIZE >> tile->shift_x, width = 1 << tile->shift_x, height = 1 << tile->shift_y;
     for (int by = y0 >> tile->shift_y; by <= y1 >> tile->shift_y; by++) {
@@ -172,8 +172,8 @@ SIMD void draw_sum(const struct table *t, int i, float amount, float *sums, bool
     }
 }
 
-static void draw_sums(const struct splat_view *view, struct splat_tile *tile, const struct table *t, size_t first, unsigned lanes,
-                      unsigned smooth)
+static inline void draw_sums(const struct splat_view *view, struct splat_tile *tile, const struct table *t, size_t first, unsigned lanes,
+                             unsigned smooth)
 {
     for (; lanes != 0; lanes &= lanes - 1) {
         int i = __builtin_ctz(lanes);
@@ -191,11 +191,19 @@ static void draw_sums(const struct splat_view *view, struct splat_tile *tile, co
 /* Four floats of a deposit cell. */
 typedef float cell_t __attribute__((vector_size(16), may_alias));
 
-/* The four corner weights of each lane's deposit, one plane. */
-SIMD void add_cells(float *cells, vf amount, vf fx, vf fy, const int32_t place[VLEN], unsigned lanes)
+/* The four corner weights of each lane's deposit. */
+SIMD void corners_of(vf amount, vf fx, vf fy, vf corners[4])
 {
     vf high = amount * fy, low = amount - high, low_right = low * fx, high_right = high * fx;
-    vf corners[4] = {low - low_right, low_right, high - high_right, high_right};
+    corners[0] = low - low_right;
+    corners[1] = low_right;
+    corners[2] = high - high_right;
+    corners[3] = high_right;
+}
+
+/* Adds them to one plane. */
+SIMD void add_corners(float *cells, vf corners[4], const int32_t place[VLEN], unsigned lanes)
+{
     vf_transpose_4(corners); /* lane i is now four floats of corners[i % 4] */
     float quads[4 * VLEN] __attribute__((aligned(64)));
     for (int k = 0; k < 4; k++) {
@@ -211,6 +219,13 @@ SIMD void add_cells(float *cells, vf amount, vf fx, vf fy, const int32_t place[V
         int i = __builtin_ctz(lanes);
         *(cell_t *)(cells + place[i]) += *(const cell_t *)(quads + i % 4 * VLEN + i / 4 * 4);
     }
+}
+
+SIMD void add_cells(float *cells, vf amount, vf fx, vf fy, const int32_t place[VLEN], unsigned lanes)
+{
+    vf corners[4];
+    corners_of(amount, fx, fy, corners);
+    add_corners(cells, corners, place, lanes);
 }
 
 /* Adds amount to the four cells about the centres of lanes that are in reach of the grid, and amount * colour. */
