@@ -360,7 +360,7 @@ static void test_files_that_are_no_mesh(void **state)
 }
 
 /* The files lie in a folder of their own, which goes with them. */
-static char folder[] = "/tmp/meniscus-meshes-XXXXXX";
+static char folder[] = "test_meshes.XXXXXX";
 
 static int enter_folder(void **state)
 {
@@ -379,7 +379,7 @@ static int leave_folder(void **state)
         }
     }
     closedir(files);
-    return chdir("/") == 0 ? rmdir(folder) : -1;
+    return chdir("..") == 0 ? rmdir(folder) : -1;
 }
 
 int main(void)
