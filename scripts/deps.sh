@@ -1,7 +1,7 @@
 #!/bin/sh
 # Installs what building and testing need, on Debian and Ubuntu; elsewhere names it.
 set -eu
-packages="gcc g++ libc6-dev cmake ninja-build pkg-config zlib1g-dev liblz4-dev liblzma-dev libexpat1-dev libspng-dev libcjson-dev libcmocka-dev ffmpeg libassimp-dev libstb-dev"
+packages="gcc g++ libc6-dev cmake ninja-build pkg-config zlib1g-dev liblz4-dev liblzma-dev libexpat1-dev libspng-dev libcjson-dev libcmocka-dev ffmpeg libopenexr-dev libassimp-dev libstb-dev"
 
 if ! command -v dpkg-query >/dev/null 2>&1; then
     echo "This is no Debian or Ubuntu: please install what these packages hold: $packages" >&2

@@ -13,6 +13,17 @@ static void warn_if_empty(const struct drawing *drawing, const char *name, const
                  stats->measure.count > 0 ? "none of the particles is in view" : "holds no particles");
 }
 
+int draw_camera(const struct drawing *drawing, const struct mns_stats *stats, const struct moment *moment, struct mns_camera *camera)
+{
+    struct survey survey;
+    if (drawing->survey) {
+        survey = *drawing->survey;
+    } else {
+        survey_from_measure(&survey, &stats->measure);
+    }
+    return view_camera(camera, drawing->options, &survey, moment->index, moment->number);
+}
+
 int draw_picture(const struct drawing *drawing, const struct mns_particles *particles, const struct moment *moment,
                  const struct mns_output *images, size_t image_count, struct mns_stats *stats)
 {
@@ -21,16 +32,12 @@ int draw_picture(const struct drawing *drawing, const struct mns_particles *part
         return program_fail("%s: %s", moment->name, mns_renderer_message(drawing->renderer));
     }
     struct mns_params params = drawing->options->params;
-    struct survey survey;
     if (drawing->survey) {
-        survey = *drawing->survey;
-        survey_fix_params(&survey, particles->radius.data != NULL, particles->mass.data != NULL, &params);
-    } else {
-        mns_renderer_stats(drawing->renderer, stats);
-        survey_from_measure(&survey, &stats->measure);
+        survey_fix_params(drawing->survey, particles->radius.data != NULL, particles->mass.data != NULL, &params);
     }
     struct mns_camera camera;
-    int status = view_camera(&camera, drawing->options, &survey, moment->index, moment->number);
+    mns_renderer_stats(drawing->renderer, stats);
+    int status = draw_camera(drawing, stats, moment, &camera);
     if (status != STATUS_DONE) {
         return status;
     }

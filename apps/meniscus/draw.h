@@ -21,6 +21,9 @@ struct moment {
     const char *name; /* of the frame, for messages */
 };
 
+/* The camera of a picture, once its particles are prepared, of which stats tells. Returns a status; on failure it was told why. */
+int draw_camera(const struct drawing *drawing, const struct mns_stats *stats, const struct moment *moment, struct mns_camera *camera);
+
 /* Draws into images, which the particles' frame fills. Returns a status; on failure it was told why. */
 int draw_picture(const struct drawing *drawing, const struct mns_particles *particles, const struct moment *moment,
                  const struct mns_output *images, size_t image_count, struct mns_stats *stats);

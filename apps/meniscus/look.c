@@ -66,7 +66,7 @@ void look_add_value(cJSON *look, const char *name, const struct mns_param *row, 
     }
 }
 
-int look_write(const char *path, const struct mns_params *params)
+static cJSON *differences(const struct mns_params *params)
 {
     cJSON *look = cJSON_CreateObject();
     struct mns_params defaults;
@@ -80,5 +80,15 @@ int look_write(const char *path, const struct mns_params *params)
             look_add_value(look, row->name, row, text);
         }
     }
-    return json_write(path, look);
+    return look;
+}
+
+int look_write(const char *path, const struct mns_params *params) { return json_write(path, differences(params)); }
+
+char *look_text(const struct mns_params *params)
+{
+    cJSON *look = differences(params);
+    char *text = look ? cJSON_PrintUnformatted(look) : NULL;
+    cJSON_Delete(look);
+    return text;
 }

@@ -3,6 +3,7 @@
 
 #include "lab/run.h"
 #include "option_color.h"
+#include "option_layer.h"
 #include "option_scenery.h"
 #include "option_sequence.h"
 #include "option_values.h"
@@ -203,36 +204,6 @@ static bool set_save_look(struct options *options, const char *value, struct mns
     return *value || option_refuse(message, "the name is empty");
 }
 
-static bool set_layer(struct options *options, const char *value, struct mns_message *message)
-{
-    const char *equals = strchr(value, '=');
-    char name[64];
-    enum mns_layer layer;
-    if (!equals || !equals[1] || (size_t)(equals - value) >= sizeof(name)) {
-        return option_refuse(message, "'%s' must be NAME=FILE", value);
-    }
-    memcpy(name, value, (size_t)(equals - value));
-    name[equals - value] = '\0';
-    if (mns_layer_find(name, &layer) != MNS_OK) {
-        char list[256] = "";
-        for (int i = 0; i < MNS_LAYER_COUNT; i++) {
-            option_append_name(list, sizeof(list), mns_layer_name((enum mns_layer)i));
-        }
-        return option_refuse(message, "there is no layer '%s'; there are %s", name, list);
-    }
-    size_t length = strlen(equals + 1);
-    if (length < 5 || strcasecmp(equals + 1 + length - 4, ".npy") != 0) {
-        return option_refuse(message, "'%s': layers are written as .npy", equals + 1);
-    }
-    for (size_t i = 0; i < options->layer_count; i++) {
-        if (options->layers[i].layer == layer) {
-            return option_refuse(message, "layer %s is asked for twice", name);
-        }
-    }
-    options->layers[options->layer_count++] = (struct layer_file){.layer = layer, .path = equals + 1};
-    return true;
-}
-
 static bool set_backend(struct options *options, const char *value, struct mns_message *message)
 {
     options->backend = !strcmp(value, "cpu") ? MNS_BACKEND_CPU : MNS_BACKEND_AUTO;
@@ -419,7 +390,11 @@ const struct option_row option_table[] = {
     {"--mu", 0, "M", SMOOTHS, "mu", NULL, "where what lies beyond counts, in splat radii"},
 
     {"--display", 0, "MODE", DRAWS, "display", NULL, "beauty, opaque, spheres, normal, depth, thickness, curvature, color"},
-    {"--layer", 0, "NAME=FILE", COMMAND_RENDER, NULL, set_layer, "save a layer as .npy (a pattern in a sequence); repeatable"},
+    {"--layer", 0, "NAME=FILE", COMMAND_RENDER, NULL, option_set_layer,
+     "save a layer as .npy or .exr (a pattern in a sequence); repeatable"},
+    {"--layers", 0, "NAME,...", COMMAND_RENDER, NULL, option_set_layers, "layers that an .exr OUTPUT holds beside the picture"},
+    {"--exr-type", 0, "TYPE", COMMAND_RENDER, NULL, option_set_exr_type,
+     "half (colours as half floats, what measures something as float; the default) or float"},
     {"--mesh", 0, "FILE", COMMAND_RENDER, NULL, option_set_mesh,
      "an opaque thing: .obj, .ply, .stl, .gltf, .glb; a pattern such as body_%04d.obj for one that changes; repeatable"},
     {"--container", 0, "FILE", COMMAND_RENDER, NULL, option_set_container, "the same of a tank: only its far faces are drawn; repeatable"},
@@ -431,7 +406,8 @@ const struct option_row option_table[] = {
     {"--exposure", 0, "EV", DRAWS, "exposure", NULL, "the picture's light times 2^EV"},
     {"--background", 0, "COLOR", DRAWS, NULL, set_background, "sky, transparent, or RRGGBB"},
     {"--color-by", 0, "EXPR", COMMAND_RENDER, NULL, option_set_color_by,
-     "colour the particles, in display color unless another is asked for, by an attribute: velocity (its magnitude), velocity.y, density, or any expression as in --where"},
+     "colour the particles, in display color unless another is asked for, by an attribute: velocity (its magnitude), velocity.y, density, "
+     "or any expression as in --where"},
     {"--colormap", 0, "NAME", COMMAND_RENDER, NULL, option_set_colormap,
      "viridis, plasma, turbo, coolwarm, or a text file of colours, three numbers a line (viridis)"},
     {"--range", 0, "A:B", COMMAND_RENDER, NULL, option_set_range,

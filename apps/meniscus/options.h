@@ -20,7 +20,7 @@ struct setting {
 
 struct layer_file {
     enum mns_layer layer;
-    const char *path; /* or a pattern */
+    const char *path; /* or a pattern; NULL: goes into the .exr OUTPUT */
 };
 
 struct mesh_file {
@@ -66,6 +66,7 @@ struct options {
     const char *output, *output_format;
     struct layer_file layers[MNS_LAYER_COUNT];
     size_t layer_count;
+    bool exr_float; /* colours too */
 
     bool has_size;
     int width, height; /* pixels */

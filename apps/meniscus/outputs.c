@@ -1,6 +1,8 @@
 /* outputs.c: where the images of a picture go: their shapes, names and files. */
 #include "outputs.h"
 
+#include "exr_file.h"
+#include "look.h"
 #include "program.h"
 #include "whole.h"
 
@@ -73,7 +75,7 @@ int outputs_check_place(const char *pattern, const struct inputs *inputs, size_t
 static void add(struct outputs *outputs, const struct options *options, enum mns_layer layer, enum output_kind kind, const char *pattern)
 {
     struct mns_image image = {.width = options->width, .height = options->height, .channels = mns_layer_channels(layer)};
-    bool float_image = kind == OUTPUT_FILE && name_has_extension(pattern, ".npy");
+    bool float_image = kind == OUTPUT_EXR_LAYER || (kind == OUTPUT_FILE && (name_has_extension(pattern, ".npy") || exr_file_is(pattern)));
     bool opaque = options->params.background != MNS_BACKGROUND_TRANSPARENT;
     image.pixel = float_image ? MNS_PIXEL_F32 : MNS_PIXEL_U8;
     if (layer == MNS_LAYER_BEAUTY && !float_image && (opaque || kind == OUTPUT_VIDEO) && kind != OUTPUT_STREAM_RGBA) {
@@ -117,6 +119,19 @@ static int plan_file(struct outputs *outputs, const struct options *options, con
     return status;
 }
 
+/* A layer that goes into the file of the first output. */
+static int plan_exr_layer(struct outputs *outputs, const struct options *options, enum mns_layer layer)
+{
+    if (!options->output || !exr_file_is(options->output)) {
+        return program_usage("--layers needs an .exr OUTPUT; --layer NAME=FILE saves a layer by itself");
+    }
+    if (layer == MNS_LAYER_BEAUTY) {
+        return program_usage("layer beauty is what -o writes already");
+    }
+    add(outputs, options, layer, OUTPUT_EXR_LAYER, options->output);
+    return STATUS_DONE;
+}
+
 static int plan_video(struct outputs *outputs, const struct options *options, const struct inputs *inputs)
 {
     int status = check_overwrite(options->output, inputs);
@@ -144,8 +159,12 @@ int outputs_plan(struct outputs *outputs, const struct options *options, const s
         status = plan_file(outputs, options, inputs, pictures, MNS_LAYER_BEAUTY, options->output);
     }
     for (size_t i = 0; status == STATUS_DONE && i < options->layer_count; i++) {
-        status = plan_file(outputs, options, inputs, pictures, options->layers[i].layer, options->layers[i].path);
+        const struct layer_file *layer = &options->layers[i];
+        status = layer->path ? plan_file(outputs, options, inputs, pictures, layer->layer, layer->path)
+                             : plan_exr_layer(outputs, options, layer->layer);
     }
+    outputs->exr_float = options->exr_float;
+    outputs->look = outputs_tell_camera(outputs) ? look_text(&options->params) : NULL;
     return status;
 }
 
@@ -164,6 +183,8 @@ int outputs_close(struct outputs *outputs, bool whole)
     struct mns_message message = {""};
     bool good = !outputs->video || video_close(outputs->video, whole, &message);
     outputs->video = NULL;
+    free(outputs->look);
+    outputs->look = NULL;
     if (good && message.text[0]) {
         program_say("%s", message.text);
     }
@@ -215,8 +236,9 @@ bool outputs_exist(const struct outputs *outputs, long long number)
     for (size_t i = 0; i < outputs->count; i++) {
         const struct output *output = &outputs->list[i];
         char *name = pattern_name(output->pattern, number);
-        bool exists =
-            name && (output->kind == OUTPUT_FILE ? whole_picture(name, &output->shape) : output->kind == OUTPUT_VIDEO && whole_file(name));
+        bool exists = name && (output->kind == OUTPUT_FILE    ? whole_picture(name, &output->shape)
+                               : output->kind == OUTPUT_VIDEO ? whole_file(name)
+                                                              : output->kind == OUTPUT_EXR_LAYER);
         free(name);
         if (!exists) {
             return false;
@@ -245,26 +267,42 @@ static bool write_stream(const struct output *output, const struct mns_image *im
     return !error;
 }
 
-static bool write_file(const struct output *output, const struct mns_image *image, long long number, struct mns_message *message)
+static bool write_file(const struct outputs *outputs, size_t index, const struct mns_output images[OUTPUT_MAX], long long number,
+                       const struct mns_camera *camera, struct mns_message *message)
 {
+    const struct output *output = &outputs->list[index];
     char *name = pattern_name(output->pattern, number);
     if (!name) {
         snprintf(message->text, sizeof(message->text), "%s: out of memory", output->pattern);
+        return false;
     }
-    bool good = name && mns_image_write(name, image, message) == MNS_OK;
+    bool good = exr_file_is(name) ? exr_file_write(name, outputs, index, images, camera, message)
+                                  : mns_image_write(name, &images[index].image, message) == MNS_OK;
     free(name);
     return good;
 }
 
-bool outputs_write(const struct outputs *outputs, const struct mns_output images[OUTPUT_MAX], long long number, struct mns_message *message)
+bool outputs_tell_camera(const struct outputs *outputs)
+{
+    for (size_t i = 0; i < outputs->count; i++) {
+        if (outputs->list[i].kind == OUTPUT_FILE && exr_file_is(outputs->list[i].pattern)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+bool outputs_write(const struct outputs *outputs, const struct mns_output images[OUTPUT_MAX], long long number,
+                   const struct mns_camera *camera, struct mns_message *message)
 {
     bool good = true;
     for (size_t i = 0; good && i < outputs->count; i++) {
         const struct output *output = &outputs->list[i];
         const struct mns_image *image = &images[i].image;
-        good = output->kind == OUTPUT_FILE    ? write_file(output, image, number, message)
-               : output->kind == OUTPUT_VIDEO ? video_add(outputs->video, image, message)
-                                              : write_stream(output, image, message);
+        good = output->kind == OUTPUT_EXR_LAYER ? true /* written with the first */
+               : output->kind == OUTPUT_FILE    ? write_file(outputs, i, images, number, camera, message)
+               : output->kind == OUTPUT_VIDEO   ? video_add(outputs->video, image, message)
+                                                : write_stream(output, image, message);
     }
     return good;
 }

@@ -8,7 +8,13 @@
 
 enum { OUTPUT_MAX = MNS_LAYER_COUNT + 1 };
 
-enum output_kind { OUTPUT_FILE, OUTPUT_STREAM_PNG, OUTPUT_STREAM_RGBA, OUTPUT_VIDEO };
+enum output_kind {
+    OUTPUT_FILE,
+    OUTPUT_STREAM_PNG,
+    OUTPUT_STREAM_RGBA,
+    OUTPUT_VIDEO,
+    OUTPUT_EXR_LAYER /* in the file of the first output */
+};
 
 struct output {
     enum output_kind kind;
@@ -22,6 +28,8 @@ struct outputs {
     size_t count;
     const struct encoder *encoder; /* of the video; NULL: none, or a .y4m */
     struct video *video;           /* once it is open */
+    bool exr_float;                /* colours too */
+    char *look;                    /* what an .exr tells of its parameters; NULL: none */
 };
 
 /* Plans the outputs. pictures: how many will be drawn. Returns a status; on failure it was told why. */
@@ -41,9 +49,12 @@ size_t outputs_bytes(const struct outputs *outputs); /* of one picture's images 
 
 bool outputs_exist(const struct outputs *outputs, long long number); /* all the files of this picture, whole */
 
-/* Writes one picture. Tells nothing, and may be called in any thread; false: message says why. */
+/* Whether a picture's file tells of its camera. */
+bool outputs_tell_camera(const struct outputs *outputs);
+
+/* Writes one picture. camera: NULL where it is not known. Tells nothing, and may be called in any thread; false: message says why. */
 bool outputs_write(const struct outputs *outputs, const struct mns_output images[OUTPUT_MAX], long long number,
-                   struct mns_message *message);
+                   const struct mns_camera *camera, struct mns_message *message);
 
 /* Whether `frames` files can be made under this name or pattern: it has numbers, names no input, and its folder takes files. Returns a status. */
 int outputs_check_place(const char *pattern, const struct inputs *inputs, size_t frames);

@@ -138,6 +138,9 @@ static int render_shot(struct render *render, const struct shot *shot, const str
     picture->input = input->path;
     picture->times.read_ms = frame->read_ms;
     int status = draw_picture(&render->drawing, &frame->particles, &moment, picture->images, render->outputs.count, &picture->stats);
+    if (status == STATUS_DONE && outputs_tell_camera(&render->outputs)) {
+        status = draw_camera(&render->drawing, &picture->stats, &moment, &picture->camera);
+    }
     if (status == STATUS_DONE && render->options->color.legend) {
         status = legend_draw(&render->coloring, &frame->painted, picture->images, render->outputs.count);
     }

@@ -34,7 +34,7 @@ static void write_picture(void *context, void *item)
         return;
     }
     double start = program_seconds();
-    picture->failed = !outputs_write(sink->outputs, picture->images, picture->number, &picture->message);
+    picture->failed = !outputs_write(sink->outputs, picture->images, picture->number, &picture->camera, &picture->message);
     picture->times.write_ms = 1e3 * (program_seconds() - start);
     if (picture->failed) {
         atomic_store(&sink->failed, true);

@@ -9,7 +9,8 @@
 struct picture {
     struct mns_output images[OUTPUT_MAX]; /* [outputs.count] */
     long long number;
-    const char *input; /* path */
+    const char *input;        /* path */
+    struct mns_camera camera; /* set where outputs_tell_camera asks for it */
     struct mns_stats stats;
     struct frame_times times; /* write_ms is the sink's */
     struct mns_message message;

@@ -4,6 +4,7 @@
 #ifndef MENISCUS_IO_H
 #define MENISCUS_IO_H
 
+#include <meniscus/camera.h>
 #include <meniscus/colormap.h>
 #include <meniscus/common.h>
 #include <meniscus/particles.h>
@@ -98,9 +99,36 @@ MNS_API void mns_pvd_destroy(mns_pvd **pvd);
 MNS_API mns_result mns_colormap_read(struct mns_colormap *out, const char *path, struct mns_message *message);
 
 /* Writers. Each writes beside `path` and renames, so that the file appears whole or not at all.
- * PNG takes U8 or U16 with 1 to 4 channels; .npy takes float32, shape [h][w] or [h][w][channels]. */
+ * PNG takes U8 or U16 with 1 to 4 channels; .npy takes float32, shape [h][w] or [h][w][channels]; .exr float32 with channels Y, YA, RGB or RGBA. */
 MNS_API mns_result mns_image_write(const char *path, const struct mns_image *image, struct mns_message *message); /* by extension */
-MNS_API const char *mns_image_write_format(size_t index); /* "png", "npy" as built; NULL: out of range */
+MNS_API const char *mns_image_write_format(size_t index); /* "png", "exr", "npy" as built; NULL: out of range */
+
+/* An image of an OpenEXR file. Its channels are called NAME.X with the letters given, or X alone where the name is empty. "RGBA" is linear with
+ * straight alpha and becomes premultiplied. */
+struct mns_exr_layer {
+    const char *name;              /* "" for the picture itself */
+    const char *channels;          /* a letter per channel: "RGBA", "XYZ", "Z" */
+    const struct mns_image *image; /* float32; all layers have one size */
+};
+
+/* Text that a file carries under a name ("owner"). */
+struct mns_exr_note {
+    const char *name, *text;
+};
+
+struct mns_exr_params {
+    size_t struct_size; /* set by mns_exr_params_init */
+    int half;           /* 0 (default): all float32; 1: colours (R, G, B, A) as half floats, what measures something as float32 */
+    const struct mns_camera *camera;  /* NULL: none; written as worldToCamera and worldToNDC */
+    const struct mns_exr_note *notes; /* [note_count] */
+    size_t note_count;
+};
+MNS_API void mns_exr_params_init_sized(struct mns_exr_params *params, size_t size);
+static inline void mns_exr_params_init(struct mns_exr_params *params) { mns_exr_params_init_sized(params, sizeof(*params)); }
+
+/* Writes all layers to one file, in zlib blocks. params NULL: defaults. Unsupported in builds without OpenEXR. */
+MNS_API mns_result mns_exr_write(const char *path, const struct mns_exr_layer *layers, size_t layer_count,
+                                 const struct mns_exr_params *params, struct mns_message *message);
 
 /* Encodes to memory, for standard output. The caller frees *data with mns_memory_free. */
 MNS_API mns_result mns_image_encode(const char *format, const struct mns_image *image, void **data, size_t *size,

@@ -36,6 +36,9 @@ static const char *const missing[] = {
 #ifndef MNS_HAVE_PNG
     "png (spng)",
 #endif
+#ifndef MNS_HAVE_EXR
+    "exr (OpenEXR)",
+#endif
     NULL,
 };
 

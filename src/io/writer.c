@@ -11,6 +11,9 @@ static const struct mns_writer *const writers[] = {
 #ifdef MNS_HAVE_PNG
     &mns_writer_png,
 #endif
+#ifdef MNS_HAVE_EXR
+    &mns_writer_exr,
+#endif
     &mns_writer_npy,
 };
 
@@ -58,7 +61,7 @@ static mns_result fail_format(const char *what, struct mns_message *message)
     return mns_fail(message, MNS_ERR_UNSUPPORTED, "%s: this build writes %s images", what, list);
 }
 
-static mns_result check(const char *what, const struct mns_writer *writer, const struct mns_image *image, struct mns_message *message)
+mns_result mns_image_check(const char *what, const struct mns_image *image, struct mns_message *message)
 {
     if (!image || !image->data) {
         return mns_fail(message, MNS_ERR_INVALID_ARGUMENT, "%s: there is no image to write", what);
@@ -78,7 +81,13 @@ static mns_result check(const char *what, const struct mns_writer *writer, const
         return mns_fail(message, MNS_ERR_INVALID_ARGUMENT, "%s: the image's stride is %zu bytes; a row takes %zu", what, image->stride,
                         row);
     }
-    return writer->check(what, image, message);
+    return MNS_OK;
+}
+
+static mns_result check(const char *what, const struct mns_writer *writer, const struct mns_image *image, struct mns_message *message)
+{
+    mns_result result = mns_image_check(what, image, message);
+    return result == MNS_OK ? writer->check(what, image, message) : result;
 }
 
 static size_t stride_of(const struct mns_image *image)

@@ -22,7 +22,11 @@ struct mns_writer {
 };
 
 extern const struct mns_writer mns_writer_png;
+extern const struct mns_writer mns_writer_exr;
 extern const struct mns_writer mns_writer_npy;
+
+/* Size, channels, pixel and stride. */
+mns_result mns_image_check(const char *what, const struct mns_image *image, struct mns_message *message);
 
 /* Bytes of one pixel. */
 static inline size_t mns_image_pixel_size(const struct mns_image *image)

@@ -37,7 +37,7 @@ awk '(NR == 1 || NR == 48) { for (i = 4; i <= NF; i += 4) bad += $i > 0 } { bad 
 
 # Outputs that cannot be.
 refuses 2 'this build writes' render in.npz -o a.avi
-refuses 2 'this build writes' render in.npz -o a.exr
+refuses 2 'this build writes' render in.npz -o a.tif
 refuses 2 'this build writes' render in.npz -o a
 refuses 2 'needs an output' render in.npz
 refuses 2 'already' render in.npz -o b.npy --layer beauty=c.npy
@@ -49,7 +49,7 @@ refuses 1 'missing/a.npy: cannot be written: No such file' render in.npz -o b.pn
 refuses 1 'missing/a.json: cannot be written: No such file' render in.npz -o b.png --stats missing/a.json $small
 mkdir folder.png
 refuses 1 'folder.png: cannot be written: it is a folder' render in.npz -o folder.png $small
-missing b.npy c.npy x.npy a.avi a.exr
+missing b.npy c.npy x.npy a.avi a.tif
 if [ -w /dev/full ]; then
     ln -s /dev/full full.png
     refuses 1 'No space left' render in.npz -o full.png $small

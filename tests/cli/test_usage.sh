@@ -60,7 +60,7 @@ refuses 2 'narrow-range-1d' render a.npy -o a.png --filter sharpen
 refuses 2 'beauty, opaque' render a.npy -o a.png --display ugly
 refuses 2 'thickness_raw' render a.npy -o a.png --layer thick=a.npy
 refuses 2 'NAME=FILE' render a.npy -o a.png --layer depth
-refuses 2 'written as .npy' render a.npy -o a.png --layer depth=a.exr
+refuses 2 'written as .npy or .exr' render a.npy -o a.png --layer depth=a.tif
 refuses 2 'asked for twice' render a.npy -o a.png --layer depth=a.npy --layer depth=b.npy
 refuses 2 'ROLE=NAME' render a.npy -o a.png --attribute colour=C
 refuses 2 'NAME=VALUE' render a.npy -o a.png --set sigma

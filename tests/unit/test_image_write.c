@@ -253,7 +253,7 @@ static void full_disk_is_told(void **state)
         if (access("/dev/full", W_OK) != 0 || symlink("/dev/full", path) != 0) {
             skip();
         }
-        struct mns_image image = noise(4, !strcmp(mns_image_write_format(i), "npy") ? MNS_PIXEL_F32 : MNS_PIXEL_U8);
+        struct mns_image image = noise(4, !strcmp(mns_image_write_format(i), "png") ? MNS_PIXEL_U8 : MNS_PIXEL_F32);
         struct mns_message message;
         assert_int_equal(mns_image_write(path, &image, &message), MNS_ERR_IO);
         assert_non_null(strstr(message.text, "No space left"));
