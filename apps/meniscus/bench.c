@@ -21,11 +21,13 @@ struct bench {
     const char *path;
     mns_renderer *renderer;
     struct survey survey;
-    struct mns_output picture; /* RGBA8 */
-    double prepare_ms;         /* the best of PREPARES */
-    double *frame_ms;          /* [options->repeat], sorted in the end */
-    double *stage_ms;          /* [MNS_STAGE_MAX][options->repeat], the same */
-    struct mns_stats stats;    /* of the last frame */
+    struct mns_output picture;  /* RGBA8 */
+    mns_classifier *classifier; /* NULL: no foam */
+    double classify_ms;         /* the best of PREPARES */
+    double prepare_ms;          /* the same */
+    double *frame_ms;           /* [options->repeat], sorted in the end */
+    double *stage_ms;           /* [MNS_STAGE_MAX][options->repeat], the same */
+    struct mns_stats stats;     /* of the last frame */
 };
 
 static int compare(const void *a, const void *b)
@@ -61,10 +63,31 @@ static int draw(struct bench *bench, double index)
     return STATUS_DONE;
 }
 
-static int prepare(struct bench *bench, const struct mns_particles *particles)
+/* Classifies the set as if it were the next frame of a sequence. */
+static int classify(struct bench *bench, int i, struct mns_particles *particles)
+{
+    if (!bench->classifier) {
+        return STATUS_DONE;
+    }
+    struct mns_class_stats stats;
+    mns_class_stats_init(&stats);
+    if (mns_classifier_step(bench->classifier, particles, i / 30.0, &bench->options->params) != MNS_OK) {
+        return program_fail("%s: %s", bench->path, mns_classifier_message(bench->classifier));
+    }
+    mns_classifier_attach(bench->classifier, particles);
+    mns_classifier_stats(bench->classifier, &stats);
+    bench->classify_ms = i == 0 || stats.step_ms < bench->classify_ms ? stats.step_ms : bench->classify_ms;
+    return STATUS_DONE;
+}
+
+static int prepare(struct bench *bench, const struct mns_particles *given)
 {
     for (int i = 0; i < PREPARES; i++) {
-        if (mns_renderer_prepare(bench->renderer, particles) != MNS_OK) {
+        struct mns_particles particles = *given;
+        if (classify(bench, i, &particles) != STATUS_DONE) {
+            return STATUS_FAILED;
+        }
+        if (mns_renderer_prepare(bench->renderer, &particles) != MNS_OK) {
             return program_fail("%s: %s", bench->path, mns_renderer_message(bench->renderer));
         }
         mns_renderer_stats(bench->renderer, &bench->stats);
@@ -117,6 +140,9 @@ static void tell(const struct bench *bench, cJSON *list)
     if (!list) {
         printf("%s\n  %zu particles, %dx%d, %s %s, %d threads, %s, %zu frames\n", bench->path, stats->measure.count, options->width,
                options->height, stats->backend, stats->isa, stats->threads, filter, repeat);
+        if (bench->classifier) {
+            printf("  classify %7.2f ms per new particle set\n", bench->classify_ms);
+        }
         printf("  prepare %8.2f ms per new particle set\n  frame   %8.2f ms per new view (median; best %.2f, worst %.2f)\n",
                bench->prepare_ms, middle, bench->frame_ms[0], bench->frame_ms[repeat - 1]);
         for (int stage = 0; stage < stats->stage_count; stage++) {
@@ -135,6 +161,9 @@ static void tell(const struct bench *bench, cJSON *list)
     json_add_number(item, "threads", stats->threads);
     cJSON_AddStringToObject(item, "isa", stats->isa);
     cJSON_AddStringToObject(item, "filter", filter);
+    if (bench->classifier) {
+        json_add_number(item, "classify_ms", bench->classify_ms);
+    }
     json_add_number(item, "prepare_ms", bench->prepare_ms);
     cJSON *frame = cJSON_AddObjectToObject(item, "frame_ms");
     json_add_number(frame, "min", bench->frame_ms[0]);
@@ -159,6 +188,9 @@ static int create(struct bench *bench)
     if (!bench->picture.image.data || !bench->frame_ms || !bench->stage_ms) {
         return program_fail("%s: out of memory", bench->path);
     }
+    if (options->params.foam != MNS_FOAM_NONE && program_classifier(&bench->classifier, options) != STATUS_DONE) {
+        return STATUS_FAILED;
+    }
     return program_renderer(&bench->renderer, options);
 }
 
@@ -181,6 +213,7 @@ static int bench_file(const struct options *options, const char *path, cJSON *li
         tell(&bench, list);
     }
     mns_renderer_destroy(&bench.renderer);
+    mns_classifier_destroy(&bench.classifier);
     free(bench.picture.image.data);
     free(bench.frame_ms);
     free(bench.stage_ms);

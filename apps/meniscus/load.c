@@ -31,6 +31,16 @@ int program_renderer(mns_renderer **out, const struct options *options)
     return mns_renderer_create(out, &params, &message) == MNS_OK ? STATUS_DONE : program_fail("%s", message.text);
 }
 
+int program_classifier(mns_classifier **out, const struct options *options)
+{
+    struct mns_classifier_params params;
+    struct mns_message message;
+    mns_classifier_params_init(&params);
+    params.threads = options->threads;
+    params.log = program_log(options);
+    return mns_classifier_create(out, &params, &message) == MNS_OK ? STATUS_DONE : program_fail("%s", message.text);
+}
+
 enum { KEPT = sizeof(((struct load_notes *)0)->first) / sizeof(struct load_note) };
 
 static void keep(void *user, enum mns_log_level level, const char *text)

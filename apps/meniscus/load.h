@@ -29,4 +29,7 @@ struct mns_log program_log(const struct options *options);
 /* A renderer as the options want it. Returns STATUS_DONE or, after telling why, STATUS_FAILED. */
 int program_renderer(mns_renderer **out, const struct options *options);
 
+/* The same for what tells foam and spray. */
+int program_classifier(mns_classifier **out, const struct options *options);
+
 #endif

@@ -389,6 +389,7 @@ const struct option_row option_table[] = {
     {"--delta", 0, "D", SMOOTHS, "delta", NULL, "depth range that is smoothed together, in splat radii"},
     {"--mu", 0, "M", SMOOTHS, "mu", NULL, "where what lies beyond counts, in splat radii"},
 
+    {"--foam", 0, "KIND", DRAWS, "foam", NULL, "none, noise (small waves and grey foam) or layered (foam before, in and behind the water)"},
     {"--display", 0, "MODE", DRAWS, "display", NULL, "beauty, opaque, spheres, normal, depth, thickness, curvature, color"},
     {"--layer", 0, "NAME=FILE", COMMAND_RENDER, NULL, option_set_layer,
      "save a layer as .npy or .exr (a pattern in a sequence); repeatable"},
@@ -425,7 +426,8 @@ const struct option_row option_table[] = {
      "which frames, by the numbers in the file names, inclusive"},
     {"--resume", 0, NULL, COMMAND_RENDER, NULL, option_set_resume, "skip pictures that are there and whole"},
     {"--keep-going", 0, NULL, COMMAND_RENDER | COMMAND_CONVERT, NULL, option_set_keep_going, "skip and count frames that cannot be read"},
-    {"--fps", 0, "N", COMMAND_RENDER, NULL, option_set_fps, "pictures per second of a video: 25, 23.976, 30000/1001 (30)"},
+    {"--fps", 0, "N", COMMAND_RENDER, NULL, option_set_fps,
+     "pictures per second of a video: 25, 23.976, 30000/1001 (30); foam takes it for the frames per second of the simulation"},
     {"--codec", 0, "NAME", COMMAND_RENDER, NULL, option_set_codec, "of a video: h264, vp9 or av1 (auto: vp9 in .webm, else h264)"},
     {"--crf", 0, "Q", COMMAND_RENDER, NULL, option_set_crf,
      "quality of a video, 0 the best; smaller files above (h264 18, vp9 and av1 28)"},

@@ -53,6 +53,19 @@ void plan_needs(struct plan *plan, const struct inputs *inputs)
     }
 }
 
+void plan_reach_back(struct plan *plan, const struct inputs *inputs, size_t depth)
+{
+    size_t reach = 0;
+    for (size_t i = inputs->count; i-- > 0;) {
+        if (plan->needed[i]) {
+            reach = depth;
+        } else if (reach > 0) {
+            plan->needed[i] = true;
+            reach--;
+        }
+    }
+}
+
 void plan_free(struct plan *plan)
 {
     free(plan->shots);

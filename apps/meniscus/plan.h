@@ -26,6 +26,9 @@ void plan_resume(struct plan *plan, const struct outputs *outputs);
 /* Fills plan->needed for the shots that are left. */
 void plan_needs(struct plan *plan, const struct inputs *inputs);
 
+/* Adds the `depth` inputs before each that is needed. */
+void plan_reach_back(struct plan *plan, const struct inputs *inputs, size_t depth);
+
 void plan_free(struct plan *plan);
 
 #endif

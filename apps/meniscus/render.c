@@ -1,5 +1,6 @@
 /* render.c: `meniscus render`: plans the pictures, and leads frames from the source over drawing to the sink. */
 #include "draw.h"
+#include "history.h"
 #include "legend.h"
 #include "look.h"
 #include "plan.h"
@@ -19,6 +20,7 @@ struct render {
     struct outputs outputs;
     struct survey survey; /* of a sequence */
     struct coloring coloring;
+    struct history history;
     struct drawing drawing;
     struct source *source;
     struct sink *sink;
@@ -76,6 +78,9 @@ static int begin(struct render *render, struct options *options)
     }
     if (status == STATUS_DONE && options->color.by) {
         coloring_survey(&render->coloring, render->inputs.count > 1 ? &render->survey : NULL);
+    }
+    if (status == STATUS_DONE) {
+        status = history_begin(&render->history, options, &render->inputs, render->inputs.count > 1 ? &render->survey : NULL);
     }
     if (status == STATUS_DONE && options->stats && !(render->stats = stats_create(options))) {
         status = program_fail("%s: out of memory", options->stats);
@@ -152,13 +157,14 @@ static int render_shot(struct render *render, const struct shot *shot, const str
     return status;
 }
 
-static int render_frame(struct render *render, const struct source_frame *frame)
+static int render_frame(struct render *render, struct source_frame *frame)
 {
     if (!frame->set) {
+        history_skip(&render->history, frame->input);
         return fail_frame(render, frame);
     }
     load_tell(&frame->notes, render->inputs.list[frame->input].path, render->options);
-    int status = STATUS_DONE;
+    int status = history_step(&render->history, frame->input, &frame->particles);
     for (; status == STATUS_DONE && render->next < render->plan.count; render->next++) {
         const struct shot *shot = &render->plan.shots[render->next];
         if (shot->input > frame->input || program_signal()) {
@@ -175,6 +181,7 @@ static int render_frame(struct render *render, const struct source_frame *frame)
 static int stream(struct render *render)
 {
     plan_needs(&render->plan, &render->inputs);
+    plan_reach_back(&render->plan, &render->inputs, history_depth(&render->history));
     progress_begin(&render->progress, render->plan.skipped + render->plan.count, render->options->quiet);
     progress_skip(&render->progress, render->plan.skipped);
     render->sink = sink_start(&render->outputs, render->plan.count, report, render);
@@ -238,6 +245,7 @@ int command_render(struct options *options)
     }
     mns_renderer_destroy(&render.drawing.renderer);
     scenery_destroy(render.drawing.scenery);
+    history_end(&render.history);
     plan_free(&render.plan);
     inputs_free(&render.inputs);
     cJSON_Delete(render.stats);

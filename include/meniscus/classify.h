@@ -45,7 +45,8 @@ MNS_API mns_result mns_classifier_step(mns_classifier *classifier, const struct 
                                        const struct mns_params *params);
 
 /* Adds to the particles of the last step what was found: noise; spray, foam, foam_age and water where there is foam or spray; velocity and
- * density where the particles had none and they were needed. The arrays are the classifier's, and stand until its next call but this. */
+ * density where they were derived. What the particles have of their own stays; having any of water, foam and spray, they get none of these. The
+ * arrays are the classifier's, and stand through its next step, so that two frames can be blended. */
 MNS_API void mns_classifier_attach(const mns_classifier *classifier, struct mns_particles *particles);
 
 /* Forgets all frames: the next one is the first of a sequence. */

@@ -122,19 +122,20 @@ struct mns_params {
     int foam; /* enum mns_foam */
 
     /* Which particles are foam, spray or noisy (meniscus/classify.h). V = sqrt(gravity L) and V / gravity are the fluid's own speed and time. */
-    float gravity;         /* m/s^2 */
-    float surface_tension; /* N/m: sigma of [BSW10] eq. 5; 0 (auto): such that We = 1 at the speed V */
-    float foam_weber_low;  /* We from which on there is some foam */
-    float foam_weber_high; /* We from which on a particle is foam alone */
-    float foam_air;        /* part of a particle's surroundings that must be air for it to foam in full; 0: foam anywhere */
-    float foam_lifetime;   /* s that foam lasts after its cause, its fading included; -1 (auto): by L and gravity */
-    float foam_fade_in;    /* s in which it grows from a point; -1 (auto) */
-    float foam_fade_out;   /* s in which it shrinks at the end; -1 (auto) */
-    float spray_low;       /* density over that of the fluid at rest up to which a particle is spray alone */
-    float spray_high;      /* the same, from which on it is no spray */
-    float noise_tau;       /* m/s: change of velocity between frames that makes noise, [LGS09] eq. 12; -1 (auto) */
-    float noise_cooldown;  /* s until that noise is gone; -1 (auto) */
-    float noise_calm;      /* noise of particles as fast as foam_weber_high says, with no such change */
+    float gravity;          /* m/s^2 */
+    float surface_tension;  /* N/m: sigma of [BSW10] eq. 5; 0 (auto): such that We = 1 at the speed V */
+    float foam_weber_low;   /* We from which on there is some foam */
+    float foam_weber_high;  /* We from which on a particle is foam alone */
+    float foam_air;         /* part of a particle's surroundings that must be air for it to foam in full; 0: foam anywhere */
+    float foam_lifetime;    /* s that foam lasts after its cause, its fading included; -1 (auto): by L and gravity */
+    float foam_persistence; /* factor on foam_lifetime, foam_fade_out and noise_cooldown where they are auto */
+    float foam_fade_in;     /* s in which it grows from a point; -1 (auto) */
+    float foam_fade_out;    /* s in which it shrinks at the end; -1 (auto) */
+    float spray_low;        /* density over that of the fluid at rest up to which a particle is spray alone */
+    float spray_high;       /* the same, from which on it is no spray */
+    float noise_tau;        /* m/s: change of velocity between frames that makes noise, [LGS09] eq. 12; -1 (auto) */
+    float noise_cooldown;   /* s until that noise is gone; -1 (auto) */
+    float noise_calm;       /* noise of particles as fast as foam_weber_high says, with no such change */
 
     /* Layered foam: [BSW10] 5.2 and 5.3. */
     float foam_radius;           /* r: splat radius of foam full-grown; its volume is that of the particle's water */

@@ -131,11 +131,13 @@ static const struct mns_param table[] = {
          "part of a particle's surroundings that must be air (by its density) for it to foam in full, a fifth for it to foam at all; 0: "
          "anywhere, as in [BSW10]"},
     {FLOAT(foam_lifetime, 0, 1e9, -1), AUTO, .unit = "s", .group = "foam",
-     .help = "how long foam lasts after its cause, its fading included; auto: 4 V / gravity"},
+     .help = "how long foam lasts after its cause, its fading included; auto: 4 V / gravity, times foam_persistence"},
+    {FLOAT(foam_persistence, 0.001, 1000, 1), .unit = "", .group = "foam",
+     .help = "factor on foam_lifetime, foam_fade_out and noise_cooldown where they are auto"},
     {FLOAT(foam_fade_in, 0, 1e9, -1), AUTO, .unit = "s", .group = "foam",
      .help = "in which foam grows from a point; auto: V / gravity / 2"},
     {FLOAT(foam_fade_out, 0, 1e9, -1), AUTO, .unit = "s", .group = "foam",
-     .help = "in which foam shrinks at the end of its life; auto: 1.5 V / gravity"},
+     .help = "in which foam shrinks at the end of its life; auto: 1.5 V / gravity, times foam_persistence"},
     {FLOAT(spray_low, 0, 10, 0.3), .unit = "", .group = "foam",
      .help = "density, over that of the fluid at rest, up to which a particle is spray and no water; one alone has about 0.25"},
     {FLOAT(spray_high, 0, 10, 0.5), .unit = "", .group = "foam",
@@ -143,7 +145,8 @@ static const struct mns_param table[] = {
     {FLOAT(noise_tau, 0, 1e9, -1), AUTO, .unit = "m/s", .group = "foam",
      .help =
          "change of velocity from frame to frame that makes a particle noisy ([LGS09] eq. 12); auto: 0.15 V and what a free fall gains"},
-    {FLOAT(noise_cooldown, 0, 1e9, -1), AUTO, .unit = "s", .group = "foam", .help = "until such noise is gone; auto: 2 V / gravity"},
+    {FLOAT(noise_cooldown, 0, 1e9, -1), AUTO, .unit = "s", .group = "foam",
+     .help = "until such noise is gone; auto: 2 V / gravity, times foam_persistence"},
     {FLOAT(noise_calm, 0, 1, 0.3), .unit = "", .group = "foam",
      .help = "noise without such a change, of particles with the Weber number foam_weber_high; less where they are slower"},
 

@@ -85,16 +85,16 @@ void mns_classifier_destroy(mns_classifier **classifier)
         return;
     }
     struct memory *memory = &self->memory;
-    for (int i = 0; i < KEEP_COUNT; i++) {
-        mns_memory_put(memory, self->kept[0][i], self->kept_room[0][i], sizeof(float));
-        mns_memory_put(memory, self->kept[1][i], self->kept_room[1][i], sizeof(float));
+    for (int now = 0; now < 2; now++) {
+        for (int i = 0; i < KEEP_COUNT; i++) {
+            mns_memory_put(memory, self->kept[now][i], self->kept_room[now][i], sizeof(float));
+        }
+        for (int i = 0; i < OUT_COUNT; i++) {
+            mns_memory_put(memory, self->out[now][i], self->out_room[now][i], sizeof(float));
+        }
+        mns_memory_put(memory, self->velocity[now], self->velocity_room[now], 3 * sizeof(float));
+        mns_memory_put(memory, self->places[now], self->places_room[now], 3 * sizeof(double));
     }
-    for (int i = 0; i < OUT_COUNT; i++) {
-        mns_memory_put(memory, self->out[i], self->out_room[i], sizeof(float));
-    }
-    mns_memory_put(memory, self->velocity, self->velocity_room, 3 * sizeof(float));
-    mns_memory_put(memory, self->places[0], self->places_room[0], 3 * sizeof(double));
-    mns_memory_put(memory, self->places[1], self->places_room[1], 3 * sizeof(double));
     mns_memory_put(memory, self->from, self->from_room, sizeof(*self->from));
     mns_memory_put(memory, self->sample, self->sample_room, sizeof(float));
     mns_memory_put(memory, self->tallies, self->tally_room, sizeof(*self->tallies));
@@ -224,26 +224,30 @@ void mns_classifier_attach(const mns_classifier *self, struct mns_particles *par
     if (self->foam == MNS_FOAM_NONE) {
         return;
     }
+    float *const *out = self->out[self->now];
     struct mns_particles known;
     mns_particles_init(&known);
     size_t size = particles->struct_size < sizeof(known) ? particles->struct_size : sizeof(known);
     memcpy(&known, particles, size);
-    known.noise = view(self->out[OUT_NOISE]);
-    if (self->stats.foam > 0) {
-        known.foam = view(self->out[OUT_FOAM]);
-        known.foam_age = view(self->out[OUT_AGE]);
+    bool parted = known.water.data || known.foam.data || known.spray.data;
+    if (!known.noise.data) {
+        known.noise = view(out[OUT_NOISE]);
     }
-    if (self->stats.spray > 0) {
-        known.spray = view(self->out[OUT_SPRAY]);
+    if (!parted && self->stats.foam > 0) {
+        known.foam = view(out[OUT_FOAM]);
+        known.foam_age = view(out[OUT_AGE]);
     }
-    if (self->stats.foam > 0 || self->stats.spray > 0) {
-        known.water = view(self->out[OUT_WATER]);
+    if (!parted && self->stats.spray > 0) {
+        known.spray = view(out[OUT_SPRAY]);
+    }
+    if (!parted && (self->stats.foam > 0 || self->stats.spray > 0)) {
+        known.water = view(out[OUT_WATER]);
     }
     if (self->derived_velocity) {
-        known.velocity = view(self->velocity);
+        known.velocity = view(self->velocity[self->now]);
     }
     if (self->derived_density) {
-        known.density = view(self->out[OUT_DENSITY]);
+        known.density = view(out[OUT_DENSITY]);
     }
     known.struct_size = particles->struct_size;
     memcpy(particles, &known, size);

@@ -45,13 +45,14 @@ struct mns_classifier {
     double *places[2]; /* [count][3], world space, of steps whose velocities are derived */
     size_t places_room[2];
     bool has_places;
-    float *out[OUT_COUNT];
-    size_t out_room[OUT_COUNT];
-    float *velocity; /* [count][3], derived */
-    uint32_t *from;  /* index in the frame before, where there are ids */
+    float *out[2][OUT_COUNT];
+    size_t out_room[2][OUT_COUNT];
+    float *velocity[2]; /* [count][3], derived */
+    size_t velocity_room[2];
+    uint32_t *from; /* index in the frame before, where there are ids */
     struct tally *tallies;
     float *sample;
-    size_t velocity_room, from_room, tally_room, sample_room;
+    size_t from_room, tally_room, sample_room;
     struct ids ids;
     struct grid grid;
     double spacing; /* estimated of the first set that needed it, metres; 0: not yet */

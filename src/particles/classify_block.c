@@ -112,12 +112,12 @@ static float fall(double step, double lasts) { return step < lasts ? (float)(ste
 
 struct foam_times mns_foam_times(const struct mns_params *params, double fluid_size)
 {
-    double own = sqrt(fluid_size / (double)params->gravity);
+    double own = sqrt(fluid_size / (double)params->gravity), long_own = own * (double)params->foam_persistence;
     struct foam_times times = {
-        .lifetime = params->foam_lifetime >= 0 ? (double)params->foam_lifetime : LIFETIME * own,
+        .lifetime = params->foam_lifetime >= 0 ? (double)params->foam_lifetime : LIFETIME * long_own,
         .fade_in = params->foam_fade_in >= 0 ? (double)params->foam_fade_in : FADE_IN * own,
-        .fade_out = params->foam_fade_out >= 0 ? (double)params->foam_fade_out : FADE_OUT * own,
-        .cooldown = params->noise_cooldown >= 0 ? (double)params->noise_cooldown : COOLDOWN * own,
+        .fade_out = params->foam_fade_out >= 0 ? (double)params->foam_fade_out : FADE_OUT * long_own,
+        .cooldown = params->noise_cooldown >= 0 ? (double)params->noise_cooldown : COOLDOWN * long_own,
     };
     times.fade_out = fmin(times.fade_out, times.lifetime);
     return times;

@@ -163,8 +163,8 @@ static double density_at_rest(const struct step *step, float *sample)
 static mns_result derive(struct step *step, double radius)
 {
     mns_classifier *self = step->self;
-    float **sums = &self->out[OUT_DENSITY];
-    *sums = mns_memory_reserve(&self->memory, *sums, &self->out_room[OUT_DENSITY], step->particles->count, sizeof(float));
+    float **sums = &self->out[!self->now][OUT_DENSITY];
+    *sums = mns_memory_reserve(&self->memory, *sums, &self->out_room[!self->now][OUT_DENSITY], step->particles->count, sizeof(float));
     if (!*sums) {
         return out_of_memory(step);
     }

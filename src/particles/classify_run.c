@@ -16,7 +16,8 @@ struct scratch {
 
 struct run {
     struct step *step;
-    float *const *was, *const *is;
+    float *const *was, *const *is, *const *out;
+    float *velocity;          /* [count][3], derived */
     const double *old_places; /* NULL: unknown */
     double *new_places;       /* NULL: velocities are given */
     float fastest2;           /* m^2/s^2: square of the speed that crosses the scene in a step */
@@ -42,7 +43,6 @@ static inline uint32_t origin_of(const struct run *run, size_t i)
 /* Velocities from two frames' positions, written to the derived attribute (0 where they cannot be told). */
 static void derive_velocity(const struct run *run, size_t begin, size_t count, struct scratch *scratch)
 {
-    mns_classifier *self = run->step->self;
     const struct mns_attr *position = &run->step->particles->position;
     for (size_t i = 0; i < count; i++) {
         uint32_t from = run->old_places && run->step->before > 0 ? origin_of(run, begin + i) : ID_NONE;
@@ -52,7 +52,7 @@ static void derive_velocity(const struct run *run, size_t begin, size_t count, s
             float speed = (float)(moved / run->step->seconds);
             run->new_places[3 * (begin + i) + (size_t)k] = place;
             scratch->velocity[k][i] = speed;
-            self->velocity[3 * (begin + i) + (size_t)k] = isfinite(speed) ? speed : 0;
+            run->velocity[3 * (begin + i) + (size_t)k] = isfinite(speed) ? speed : 0;
         }
     }
 }
@@ -80,7 +80,7 @@ static void load_density(const struct run *run, size_t begin, size_t count, stru
 {
     const struct step *step = run->step;
     const struct mns_attr *density = &step->particles->density;
-    float scale = step->reference > 0 ? (float)(1 / step->reference) : 0, *sums = step->self->out[OUT_DENSITY];
+    float scale = step->reference > 0 ? (float)(1 / step->reference) : 0, *sums = run->out[OUT_DENSITY];
     for (size_t i = 0; i < count; i++) {
         float relative = 0;
         if (step->sums) {
@@ -130,7 +130,6 @@ static void count_block(const struct run *run, const struct classify_block *bloc
 
 static void run_block(const struct run *run, size_t begin, size_t count, struct tally *tally)
 {
-    mns_classifier *self = run->step->self;
     struct scratch scratch;
     struct classify_block block = {.count = count, .density = scratch.density};
     load_velocity(run, begin, count, &scratch);
@@ -143,11 +142,11 @@ static void run_block(const struct run *run, size_t begin, size_t count, struct 
     for (int k = 0; k < KEEP_COUNT; k++) {
         block.after[k] = run->is[k] + begin;
     }
-    block.water = self->out[OUT_WATER] + begin;
-    block.foam = self->out[OUT_FOAM] + begin;
-    block.foam_age = self->out[OUT_AGE] + begin;
-    block.spray = self->out[OUT_SPRAY] + begin;
-    block.noise = self->out[OUT_NOISE] + begin;
+    block.water = run->out[OUT_WATER] + begin;
+    block.foam = run->out[OUT_FOAM] + begin;
+    block.foam_age = run->out[OUT_AGE] + begin;
+    block.spray = run->out[OUT_SPRAY] + begin;
+    block.noise = run->out[OUT_NOISE] + begin;
     mns_classify_block(&run->step->rule, &block);
     count_block(run, &block, tally);
 }
@@ -194,14 +193,14 @@ static bool reserve(mns_classifier *self, size_t count, bool places)
         done = done && self->kept[next][i];
     }
     for (int i = 0; i < OUT_DENSITY; i++) {
-        self->out[i] = mns_memory_reserve(memory, self->out[i], &self->out_room[i], count, sizeof(float));
-        done = done && self->out[i];
+        self->out[next][i] = mns_memory_reserve(memory, self->out[next][i], &self->out_room[next][i], count, sizeof(float));
+        done = done && self->out[next][i];
     }
     self->tallies = mns_memory_reserve(memory, self->tallies, &self->tally_room, count / JOB + 1, sizeof(*self->tallies));
     if (places) {
-        self->velocity = mns_memory_reserve(memory, self->velocity, &self->velocity_room, count, 3 * sizeof(float));
+        self->velocity[next] = mns_memory_reserve(memory, self->velocity[next], &self->velocity_room[next], count, 3 * sizeof(float));
         self->places[next] = mns_memory_reserve(memory, self->places[next], &self->places_room[next], count, 3 * sizeof(double));
-        done = done && self->velocity && self->places[next];
+        done = done && self->velocity[next] && self->places[next];
     }
     return done && self->tallies;
 }
@@ -229,6 +228,8 @@ mns_result mns_step_run(struct step *step)
     int next = !self->now;
     double scene = step->before > 0 ? scene_size(in) : 0, fastest = scene > 0 ? scene / step->seconds : 1e18;
     struct run run = {.step = step, .was = self->kept[self->now], .is = self->kept[next], .fastest2 = (float)fmin(fastest * fastest, 1e36)};
+    run.out = self->out[next];
+    run.velocity = self->velocity[next];
     run.new_places = places ? self->places[next] : NULL;
     run.old_places = self->has_places ? self->places[self->now] : NULL;
     int jobs = (int)((in->count + JOB - 1) / JOB);
