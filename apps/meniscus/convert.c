@@ -101,7 +101,7 @@ int command_convert(struct options *options)
     status = status == STATUS_DONE ? plan_make(&plan, &inputs, options) : status;
     status = status == STATUS_DONE ? outputs_check_place(options->output, &inputs, plan.count) : status;
     if (status == STATUS_DONE) {
-        plan_needs(&plan, &inputs);
+        plan_needs(&plan, &inputs, options);
         status = convert_frames(&inputs, &plan, options, &failed);
     }
     if (status == STATUS_DONE && program_signal()) {

@@ -4,7 +4,7 @@
 #include "program.h"
 #include "view.h"
 
-static void warn_if_empty(const struct drawing *drawing, const char *name, const struct mns_stats *stats)
+void draw_warn_if_empty(const struct drawing *drawing, const char *name, const struct mns_stats *stats)
 {
     if (stats->pixels_covered > 0 || drawing->options->quiet) {
         return;
@@ -55,6 +55,5 @@ int draw_picture(const struct drawing *drawing, const struct mns_particles *part
         return program_fail("%s: %s", moment->name, mns_renderer_message(drawing->renderer));
     }
     mns_renderer_stats(drawing->renderer, stats);
-    warn_if_empty(drawing, moment->name, stats);
     return STATUS_DONE;
 }

@@ -28,4 +28,7 @@ int draw_camera(const struct drawing *drawing, const struct mns_stats *stats, co
 int draw_picture(const struct drawing *drawing, const struct mns_particles *particles, const struct moment *moment,
                  const struct mns_output *images, size_t image_count, struct mns_stats *stats);
 
+/* Warns of a picture, by its stats, that shows no fluid. */
+void draw_warn_if_empty(const struct drawing *drawing, const char *name, const struct mns_stats *stats);
+
 #endif

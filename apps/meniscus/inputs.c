@@ -7,6 +7,7 @@
 
 #include <dirent.h>
 #include <errno.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -34,7 +35,7 @@ static int add_path(struct inputs *inputs, char *path, const char *name)
     if (!path) {
         return out_of_memory(name);
     }
-    inputs->list[inputs->count++] = (struct input){.path = path};
+    inputs->list[inputs->count++] = (struct input){.path = path, .time = NAN};
     return STATUS_DONE;
 }
 
@@ -279,6 +280,9 @@ static int add_steps(struct inputs *inputs, const mns_pvd *pvd, const char *name
                                 step->time);
         }
         status = add_path(inputs, copy(step->path), name);
+        if (status == STATUS_DONE) {
+            inputs->list[inputs->count - 1].time = step->time;
+        }
     }
     return status;
 }
@@ -335,6 +339,16 @@ void inputs_number(struct inputs *inputs)
     for (size_t i = 0; !numbered && i < inputs->count; i++) {
         inputs->list[i].number = (long long)i + 1;
     }
+}
+
+bool inputs_timed(const struct inputs *inputs)
+{
+    for (size_t i = 0; i < inputs->count; i++) {
+        if (!isfinite(inputs->list[i].time) || (i > 0 && !(inputs->list[i].time > inputs->list[i - 1].time))) {
+            return false;
+        }
+    }
+    return inputs->count > 0;
 }
 
 void inputs_free(struct inputs *inputs)

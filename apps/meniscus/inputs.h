@@ -8,6 +8,7 @@
 struct input {
     char *path;       /* "-" for standard input */
     long long number; /* of the frame */
+    double time;      /* seconds, as a .pvd tells; NAN: unknown */
 };
 
 struct inputs {
@@ -23,6 +24,9 @@ int inputs_add(struct inputs *inputs, const char *name);
 /* Sorts naturally by the numbers in the names, and numbers the frames: by the last number in each name where all have one and no two are
  * alike, else 1, 2, 3 ... */
 void inputs_number(struct inputs *inputs);
+
+/* Whether the times of all are known, and each is later than the one before. */
+bool inputs_timed(const struct inputs *inputs);
 
 void inputs_free(struct inputs *inputs);
 

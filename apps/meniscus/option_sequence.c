@@ -49,6 +49,32 @@ bool option_set_keep_going(struct options *options, const char *value, struct mn
     return options->keep_going = true;
 }
 
+bool option_set_retime(struct options *options, const char *value, struct mns_message *message)
+{
+    long long count;
+    if (!option_count(value, 1, 1000, &count)) {
+        return option_refuse(message, "'%s' must be a whole number of pictures per frame, 1 to 1000", value);
+    }
+    options->retime = (int)count;
+    return true;
+}
+
+bool option_set_shutter(struct options *options, const char *value, struct mns_message *message)
+{
+    return (option_numbers(value, 1, &options->shutter) && options->shutter >= 0 && options->shutter <= 1) ||
+           option_refuse(message, "'%s' must be the part of the time between pictures that the shutter is open, 0 to 1", value);
+}
+
+bool option_set_shutter_samples(struct options *options, const char *value, struct mns_message *message)
+{
+    long long count;
+    if (!option_count(value, 2, 256, &count)) {
+        return option_refuse(message, "'%s' must be a whole number from 2 to 256", value);
+    }
+    options->shutter_samples = (int)count;
+    return true;
+}
+
 /* N, N/D, or a decimal; 23.976 and the like are N * 1000 / 1001, as television means them. */
 bool option_set_fps(struct options *options, const char *value, struct mns_message *message)
 {

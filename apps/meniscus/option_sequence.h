@@ -7,6 +7,9 @@
 bool option_set_frames(struct options *options, const char *value, struct mns_message *message);
 bool option_set_resume(struct options *options, const char *value, struct mns_message *message);
 bool option_set_keep_going(struct options *options, const char *value, struct mns_message *message);
+bool option_set_retime(struct options *options, const char *value, struct mns_message *message);
+bool option_set_shutter(struct options *options, const char *value, struct mns_message *message);
+bool option_set_shutter_samples(struct options *options, const char *value, struct mns_message *message);
 bool option_set_fps(struct options *options, const char *value, struct mns_message *message);
 bool option_set_crf(struct options *options, const char *value, struct mns_message *message);
 bool option_set_codec(struct options *options, const char *value, struct mns_message *message);

@@ -107,6 +107,8 @@ int options_parse(struct options *options, enum command command, int count, char
                                 .height = 1080,
                                 .camera.fov = 45,
                                 .step = 1,
+                                .retime = 1,
+                                .shutter_samples = 8,
                                 .crf = -1,
                                 .mesh_scale = 1,
                                 .fps = {30, 1},

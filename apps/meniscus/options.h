@@ -96,6 +96,10 @@ struct options {
     long long first, last, step; /* frame numbers, inclusive */
     bool resume, keep_going;
 
+    int retime;          /* pictures from one frame to the next */
+    double shutter;      /* how long it stands open, over the time from picture to picture; 0: a moment */
+    int shutter_samples; /* moments that are drawn meanwhile */
+
     enum codec codec; /* auto: by the container */
     double crf;       /* of the encoder; below 0: its default */
     int fps[2];       /* numerator and denominator */

@@ -7,11 +7,13 @@
 /* One picture. */
 struct shot {
     size_t input;     /* its index in the inputs */
+    double fraction;  /* how far it is on the way to the next input, 0 to 1 */
+    double step;      /* what the next picture is further on */
     long long number; /* of the picture */
 };
 
 struct plan {
-    struct shot *shots; /* [count], by rising input */
+    struct shot *shots; /* [count], by rising input and fraction */
     size_t count;
     size_t skipped; /* shots left out by plan_resume */
     bool *needed;   /* [inputs.count]: must be read */
@@ -23,8 +25,11 @@ int plan_make(struct plan *plan, const struct inputs *inputs, const struct optio
 /* Leaves out the pictures whose files are there. */
 void plan_resume(struct plan *plan, const struct outputs *outputs);
 
+/* Whether a shot is not of its input as it is, and so needs the next one too, if there is one. */
+bool shot_moves(const struct shot *shot, const struct options *options);
+
 /* Fills plan->needed for the shots that are left. */
-void plan_needs(struct plan *plan, const struct inputs *inputs);
+void plan_needs(struct plan *plan, const struct inputs *inputs, const struct options *options);
 
 /* Adds the `depth` inputs before each that is needed. */
 void plan_reach_back(struct plan *plan, const struct inputs *inputs, size_t depth);

@@ -1,12 +1,11 @@
 /* render.c: `meniscus render`: plans the pictures, and leads frames from the source over drawing to the sink. */
-#include "draw.h"
 #include "history.h"
 #include "legend.h"
 #include "look.h"
 #include "plan.h"
 #include "program.h"
 #include "progress.h"
-#include "sink.h"
+#include "shoot.h"
 #include "source.h"
 #include "view.h"
 
@@ -22,9 +21,13 @@ struct render {
     struct coloring coloring;
     struct history history;
     struct drawing drawing;
+    struct shooting shooting;
     struct source *source;
+    struct source_frame *here, *there; /* the shot's, and the one behind it; NULL: none yet */
+    bool fresh;                        /* no shot of these two was drawn yet */
     struct sink *sink;
     size_t next;  /* shot */
+    size_t lost;  /* shots whose frames could not be read */
     cJSON *stats; /* NULL: not asked for */
     struct progress progress;
     int write_status; /* STATUS_FAILED once a picture could not be written */
@@ -131,46 +134,66 @@ static int fail_frame(struct render *render, const struct source_frame *frame)
     return STATUS_DONE;
 }
 
-static int render_shot(struct render *render, const struct shot *shot, const struct source_frame *frame)
+/* The next frame from the source, with its news told. */
+static int pull(struct render *render, struct source_frame **out)
 {
-    const struct input *input = &render->inputs.list[shot->input];
-    struct picture *picture = sink_take(render->sink);
-    if (!picture) {
-        return STATUS_FAILED;
+    struct source_frame *frame = *out = source_next(render->source);
+    if (!frame) {
+        return STATUS_DONE;
     }
-    const struct moment moment = {.index = (double)shot->input, .number = (double)input->number, .name = input->path};
-    picture->number = shot->number;
-    picture->input = input->path;
-    picture->times.read_ms = frame->read_ms;
-    int status = draw_picture(&render->drawing, &frame->particles, &moment, picture->images, render->outputs.count, &picture->stats);
-    if (status == STATUS_DONE && outputs_tell_camera(&render->outputs)) {
-        status = draw_camera(&render->drawing, &picture->stats, &moment, &picture->camera);
-    }
-    if (status == STATUS_DONE && render->options->color.legend) {
-        status = legend_draw(&render->coloring, &frame->painted, picture->images, render->outputs.count);
-    }
-    if (status == STATUS_DONE) {
-        sink_put(render->sink, picture);
-    } else {
-        sink_drop(render->sink, picture);
-    }
-    return status;
-}
-
-static int render_frame(struct render *render, struct source_frame *frame)
-{
     if (!frame->set) {
         history_skip(&render->history, frame->input);
         return fail_frame(render, frame);
     }
     load_tell(&frame->notes, render->inputs.list[frame->input].path, render->options);
-    int status = history_step(&render->history, frame->input, &frame->particles);
-    for (; status == STATUS_DONE && render->next < render->plan.count; render->next++) {
-        const struct shot *shot = &render->plan.shots[render->next];
-        if (shot->input > frame->input || program_signal()) {
-            break;
-        }
-        status = shot->input == frame->input ? render_shot(render, shot, frame) : STATUS_DONE;
+    return history_step(&render->history, frame->input, &frame->particles);
+}
+
+/* Pulls frames until a shot's are here. */
+static int reach(struct render *render, const struct shot *shot)
+{
+    int status = STATUS_DONE;
+    while (status == STATUS_DONE && (!render->here || render->here->input != shot->input)) {
+        source_release(render->source, render->here);
+        render->here = render->there;
+        render->there = NULL;
+        render->fresh = true;
+        status = render->here ? STATUS_DONE : pull(render, &render->here);
+    }
+    if (status == STATUS_DONE && !render->there && shot_moves(shot, render->options) && shot->input + 1 < render->inputs.count) {
+        status = pull(render, &render->there);
+    }
+    return status;
+}
+
+static int render_shot(struct render *render, const struct shot *shot)
+{
+    int status = reach(render, shot);
+    if (status != STATUS_DONE) {
+        return status;
+    }
+    bool moves = shot_moves(shot, render->options);
+    if (!render->here->set || (moves && render->there && !render->there->set)) {
+        render->lost++;
+        return STATUS_DONE;
+    }
+    struct picture *picture = sink_take(render->sink);
+    if (!picture) {
+        return STATUS_FAILED;
+    }
+    picture->number = shot->number;
+    picture->input = render->inputs.list[shot->input].path;
+    picture->times.read_ms = render->here->read_ms;
+    status = shoot(&render->shooting, shot, &render->here->particles, moves && render->there ? &render->there->particles : NULL,
+                   render->fresh, picture, render->outputs.count);
+    if (status == STATUS_DONE && render->options->color.legend) {
+        status = legend_draw(&render->coloring, &render->here->painted, picture->images, render->outputs.count);
+    }
+    render->fresh = render->fresh && !moves;
+    if (status == STATUS_DONE) {
+        sink_put(render->sink, picture);
+    } else {
+        sink_drop(render->sink, picture);
     }
     return status == STATUS_DONE ? render->write_status : status;
 }
@@ -180,7 +203,7 @@ static int render_frame(struct render *render, struct source_frame *frame)
 /* Leads all frames through. */
 static int stream(struct render *render)
 {
-    plan_needs(&render->plan, &render->inputs);
+    plan_needs(&render->plan, &render->inputs, render->options);
     plan_reach_back(&render->plan, &render->inputs, history_depth(&render->history));
     progress_begin(&render->progress, render->plan.skipped + render->plan.count, render->options->quiet);
     progress_skip(&render->progress, render->plan.skipped);
@@ -189,15 +212,13 @@ static int stream(struct render *render)
                                                  render->options->color.by ? &render->coloring : NULL)
                                   : NULL;
     int status = render->source ? STATUS_DONE : STATUS_FAILED;
-    while (status == STATUS_DONE && !program_signal()) {
-        struct source_frame *frame = source_next(render->source);
-        if (!frame) {
-            break;
-        }
-        status = render_frame(render, frame);
-        source_release(render->source, frame);
+    render->shooting = (struct shooting){.drawing = &render->drawing, .inputs = &render->inputs};
+    while (status == STATUS_DONE && render->next < render->plan.count && !program_signal()) {
+        status = render_shot(render, &render->plan.shots[render->next]);
+        render->next += status == STATUS_DONE;
     }
     sink_stop(render->sink);
+    shoot_end(&render->shooting);
     source_stop(render->source);
     progress_clear();
     return status == STATUS_DONE ? render->write_status : status;
@@ -213,7 +234,7 @@ static int render_frames(struct render *render)
     }
     int status = outputs_open(&render->outputs, render->options);
     status = status == STATUS_DONE ? stream(render) : status;
-    int closed = outputs_close(&render->outputs, status == STATUS_DONE && !program_signal());
+    int closed = outputs_close(&render->outputs, status == STATUS_DONE && render->next == render->plan.count);
     return status == STATUS_DONE ? closed : status;
 }
 
@@ -225,11 +246,11 @@ static int finish(struct render *render, int status)
         status = status == STATUS_DONE ? written : status;
     }
     if (status == STATUS_DONE && program_signal()) {
-        program_say("stopped by a signal; --resume goes on from here");
+        program_say("stopped by a signal%s", outputs_in_order(&render->outputs) ? "" : "; --resume goes on from here");
         return STATUS_SIGNAL + program_signal();
     }
     if (status == STATUS_DONE && render->failed) {
-        return program_fail("%zu of %zu frames could not be read and were skipped", render->failed,
+        return program_fail("%zu of %zu pictures are missing: frames could not be read", render->lost,
                             render->plan.skipped + render->plan.count);
     }
     return status;

@@ -168,7 +168,7 @@ exists out/t_2.png
 missing out/t_9.png out/t_10.png
 "$program" render frames -o out/u_%d.png $small --keep-going >.out 2>.err
 [ $? = 1 ] || complain "--keep-going with a bad frame: not status 1"
-holds 'meniscus: 1 of 5 frames could not be read' .err
+holds 'meniscus: 1 of 5 pictures are missing' .err
 exists out/u_2.png out/u_10.png
 missing out/u_9.png
 

@@ -72,7 +72,7 @@ missing out/p_3.png out/p_4.png
 [ $? = 1 ] || complain "--keep-going with bad frames: not status 1"
 holds 'warning: bad/f_3.npz: ' .err
 holds 'warning: bad/f_5.npz: ' .err
-holds '2 of 6 frames could not be read' .err
+holds '2 of 6 pictures are missing' .err
 [ "$(wc -l <.err)" = 3 ] || complain "--keep-going with bad frames: not three lines: $(cat .err)"
 exists out/q_1.png out/q_2.png out/q_4.png out/q_6.png
 missing out/q_3.png out/q_5.png

@@ -67,7 +67,7 @@ fake 'cat >/dev/null; exit 3'
 refuses 1 'no.mp4: the encoder ffmpeg failed: exit status 3' render f_%d.npz -o no.mp4 $small
 fake 'cat >/dev/null; exit 0'
 refuses 1 'wrote 0 of 3 pictures; is the disk full?' render f_%d.npz -o no.mp4 $small
-refuses 1 'has no encoder for av1 (libsvtav1)' render in.npz -o no.mp4 --codec av1
+refuses 1 'has no encoder for av1 (libaom-av1)' render in.npz -o no.mp4 --codec av1
 PATH=$path
 missing no.mp4 no.y4m no.webm no.part.mp4
 
@@ -167,10 +167,10 @@ case $encoders in *libvpx-vp9*)
     ;;
 *) echo "ffmpeg has no libvpx-vp9: VP9 is not tested" ;;
 esac
-case $encoders in *libsvtav1* | *libaom-av1*)
+case $encoders in *libaom-av1*)
     ok render f_%d.npz -o av1.mkv --size 128x96 --codec av1 --fps 50
     probe av1.mkv av1 128 96 3 50/1
     ;;
-*) echo "ffmpeg has no encoder for AV1: AV1 is not tested" ;;
+*) echo "ffmpeg has no libaom-av1: AV1 is not tested" ;;
 esac
 done_testing
