@@ -74,9 +74,10 @@ static void draw_foam(const struct foam_run *run, struct tile_scratch *scratch, 
     cpu->kernels->splat->resolve_sum(view, &scratch->tile, 1, &cpu->foam->front);
 }
 
-/* Ranges of the foam's depth in the blocks of the tile. */
-static void measure_limits(const struct splat_view *view, const float *limits, struct depth_range ranges[TILE_BLOCKS])
+/* Ranges of the foam's depth in the blocks of the tile. Returns the farthest. */
+static float measure_limits(const struct splat_view *view, const float *limits, struct depth_range ranges[TILE_BLOCKS])
 {
+    float farthest = 0;
     enum { COLUMNS = TILE_SIZE >> BLOCK_SHIFT_X };
     for (int i = 0; i < TILE_BLOCKS; i++) {
         ranges[i] = (struct depth_range){.min = DEPTH_EMPTY, .max = 0};
@@ -87,16 +88,21 @@ static void measure_limits(const struct splat_view *view, const float *limits, s
             struct depth_range *range = &ranges[(y * view->scale >> BLOCK_SHIFT_Y) * COLUMNS + (x * view->scale >> BLOCK_SHIFT_X)];
             range->min = row[x] > 0 && row[x] < range->min ? row[x] : range->min;
             range->max = row[x] > range->max ? row[x] : range->max;
+            farthest = row[x] > farthest ? row[x] : farthest;
         }
     }
+    return farthest;
 }
 
 static void add_water(const struct foam_run *run, struct tile_scratch *scratch, const struct foam_scratch *own,
-                      const struct tile_entry *entry)
+                      const struct tile_entry *entry, float farthest)
 {
     const struct kernels *kernels = run->cpu->kernels;
     const struct tile_chunk *chunk = &entry->chunk;
     struct splat_tile *tile = &scratch->tile;
+    if (chunk->near_depth >= farthest) {
+        return;
+    }
     int reach = (int)ceilf(SUM_REACH * (float)run->water.scale); /* a texel beyond the foam's own pixels may hold some of it */
     struct depth_range range = mns_cut_range(&scratch->scene, chunk->x_min - tile->x - reach, chunk->x_max - tile->x + reach,
                                              chunk->y_min - tile->y - reach, chunk->y_max - tile->y + reach);
@@ -112,7 +118,7 @@ static void add_water(const struct foam_run *run, struct tile_scratch *scratch, 
     } else if (!cut) {
         kernels->splat->thickness(&run->water, tile, entry->id, DEPTH_EMPTY);
     } else {
-        kernels->foam->front(&run->water, tile, entry->id, own->limits);
+        kernels->foam->front(&run->water, tile, entry->id, own->limits, range.max);
     }
 }
 
@@ -139,10 +145,10 @@ static void draw_water(const struct foam_run *run, struct tile_scratch *scratch,
     struct foam *foam = run->cpu->foam;
     size_t count = mns_tile_begin(tiles, index, scratch);
     run->cpu->kernels->foam->limits(&run->water, &scratch->tile, &foam->depth.plane, own->limits);
-    measure_limits(&run->water, own->limits, scratch->scene.ranges);
+    float farthest = measure_limits(&run->water, own->limits, scratch->scene.ranges);
     mns_tile_clear(&run->water, &scratch->tile, 1);
     for (size_t i = 0; i < count; i++) {
-        add_water(run, scratch, own, &scratch->list[i]);
+        add_water(run, scratch, own, &scratch->list[i], farthest);
     }
     run->cpu->kernels->splat->resolve_sum(&run->water, &scratch->tile, 0, &foam->sums[0]);
     write_water(run, &scratch->tile, own->limits);

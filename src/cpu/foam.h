@@ -50,8 +50,8 @@ struct foam_kernels {
      * and thickness of splat.h; detail 1e-3 of amount. */
     void (*thickness)(const struct splat_view *view, struct splat_tile *tile, size_t chunk, const struct foam_ends *ends, float amount);
 
-    /* Adds T_wf of a chunk of water to sums[0] and cells[0]. Tolerance: as thickness of splat.h. */
-    void (*front)(const struct splat_view *view, struct splat_tile *tile, size_t chunk, const float *limits);
+    /* Adds T_wf of a chunk of water to sums[0] and cells[0]. last: no limit where the chunk may be is farther. Tolerance: as thickness of splat.h. */
+    void (*front)(const struct splat_view *view, struct splat_tile *tile, size_t chunk, const float *limits, float last);
 };
 
 extern const struct foam_kernels mns_foam_kernels_scalar, mns_foam_kernels_sse2, mns_foam_kernels_avx2, mns_foam_kernels_avx512,

@@ -125,7 +125,7 @@ static void kernels_agree(void **state)
                     clear(&b);
                     for (size_t chunk = 0; chunk < CHUNKS; chunk++) {
                         for (int j = 0; j < 2; j++) {
-                            kernels[j]->front(&b.view, b.tile[j], chunk, rig.limits[j]);
+                            kernels[j]->front(&b.view, b.tile[j], chunk, rig.limits[j], 5);
                         }
                     }
                     check_sum(&b, 0, 2e-3, 5e-4);

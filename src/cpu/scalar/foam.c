@@ -30,7 +30,7 @@ static size_t ends(const struct splat_view *view, const struct splat_tile *tile,
 static void limits(const struct splat_view *view, const struct splat_tile *tile, const struct plane *depth, float *out)
 {
     int rows = least(TILE_SIZE, view->height - tile->y), columns = least(TILE_SIZE, view->width - tile->x), scale = view->scale;
-    memset(out, 0, LIMIT_FLOATS * sizeof(float));
+    memset(out, 0, (size_t)(TILE_SIZE / scale + 2) * TILE_STRIDE * sizeof(float));
     for (int y = 0; y * scale < rows; y++) {
         for (int x = 0; x * scale < columns; x++) {
             float sum = 0, count = 0;
@@ -187,10 +187,13 @@ static void deposit_front(const struct splat_view *view, struct splat_tile *tile
     tile->deposited = true;
 }
 
-static void front(const struct splat_view *view, struct splat_tile *tile, size_t chunk, const float *limits)
+static void front(const struct splat_view *view, struct splat_tile *tile, size_t chunk, const float *limits, float last)
 {
     for (size_t i = chunk * CHUNK_SIZE; i < sprite_chunk_end(view, chunk); i++) {
         struct sprite s = sprite_project(view, &tile->texels, i);
+        if (!(s.q[2] - s.radius < last)) {
+            continue;
+        }
         float size = sprite_size(view, &tile->texels, &s);
         enum sprite_form form = sprite_form_of(view, size);
         if (form == SPRITE_DEPOSIT) {

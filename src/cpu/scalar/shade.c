@@ -259,6 +259,7 @@ static void veil(const struct shade_optics *o, struct shade_row *row)
 {
     for (int i = 0; i < row->count; i++) {
         row->veil[i] = expf(-fminf(o->foam_extinction * row->foam[i], 80));
+        row->thin[i] = expf(-fminf(o->foam_range_extinction * row->foam_range[i], 80));
         row->before[i] = row->nz[i] != 0 ? clamp(row->before[i], 0, row->thickness[i]) : 0;
     }
 }
@@ -267,8 +268,7 @@ static void veil(const struct shade_optics *o, struct shade_row *row)
  * way round. */
 static float foam_radiance(const struct shade_optics *o, const struct shade_row *row, int i, int c)
 {
-    float thin = expf(-fminf(o->foam_range_extinction * row->foam_range[i], 80));
-    return o->foam_front[c] + (o->foam_back[c] - o->foam_front[c]) * thin;
+    return o->foam_front[c] + (o->foam_back[c] - o->foam_front[c]) * row->thin[i];
 }
 
 /* Foam alone, over the pixel's own scene. */
@@ -289,9 +289,9 @@ static float layers_at(const struct shade_optics *o, bool has_color, const struc
     float through = row->transmittance[c][i], enters = 1 - row->fresnel[i], veil = row->veil[i], foam = foam_radiance(o, row, i, c);
     float absorption =
         has_color ? o->absorption_mean * SHADE_TINT * (SHADE_TINT_LEAST + 1 - clamp(row->color[c][i], 0, 1)) : o->absorption[c];
-    float front = expf(-fminf(absorption * row->before[i], 80)), back = expf(-fminf(absorption * (row->thickness[i] - row->before[i]), 80));
-    float under = (scatter + (behind - scatter) * back) * veil + foam * (1 - veil);                       /* [BSW10] eq. 7 and 8 */
-    float wet = enters * (scatter + (under - scatter) * front) + surface;                                 /* eq. 9 and 10 */
+    /* [BSW10] eq. 7 to 9 written out: what is behind comes through both waters and the foam, and exp(-T_wf) exp(-T_wb) is that of all water. */
+    float front = expf(-fminf(absorption * row->before[i], 80)), lit = foam + (scatter - foam) * veil;
+    float wet = enters * (scatter + (lit - scatter) * front + (behind - scatter) * through * veil) + surface; /* eq. 10 */
     float dry = (enters * (scatter + (behind - scatter) * through) + surface) * veil + foam * (1 - veil); /* the foam before the water */
     float share = clamp(0.5f + (row->foam_depth[i] - row->depth[i]) / o->foam_blend, 0, 1);
     *covers = 1 - enters * through * veil;

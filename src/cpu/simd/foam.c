@@ -36,7 +36,7 @@ static void limits(const struct splat_view *view, const struct splat_tile *tile,
     int rows = view->height - tile->y, columns = view->width - tile->x, scale = view->scale;
     rows = rows < TILE_SIZE ? rows : TILE_SIZE;
     columns = columns < TILE_SIZE ? columns : TILE_SIZE;
-    memset(out, 0, LIMIT_FLOATS * sizeof(float));
+    memset(out, 0, (size_t)(TILE_SIZE / scale + 2) * TILE_STRIDE * sizeof(float));
     for (int top = 0; top < rows; top += scale) {
         float sums[TILE_SIZE] __attribute__((aligned(64))), counts[TILE_SIZE] __attribute__((aligned(64)));
         for (int x = 0; x < columns; x += VLEN) {
@@ -163,39 +163,54 @@ SIMD vf noise_at(const struct lattice_row *rows, int cells, float v)
 
 struct sphere_detail {
     const struct slices *slices; /* [octaves] */
-    int octaves;
-    float amount, per_x, per_y; /* of the largest noise; (u, v) per pixel */
+    float amount, per_x, per_y;  /* of the largest noise; (u, v) per pixel */
 };
 
+/* octaves: a constant wherever this is called. */
 SIMD void draw_columns(const struct table *t, int i, int x, struct splat_tile *tile, const struct foam_ends *ends,
-                       const struct sphere_detail *detail)
+                       const struct sphere_detail *detail, int octaves)
 {
     struct lattice_row rows[DETAIL_OCTAVES][POINTS_MAX];
-    vf dx = vf_set1((float)x + 0.5f - t->x[i]) + vf_iota(), one = vf_set1(1);
-    for (int octave = 0; octave < detail->octaves; octave++) {
+    const vf dx = vf_set1((float)x + 0.5f - t->x[i]) + vf_iota(), one = vf_set1(1), amount = vf_set1(detail->amount);
+    for (int octave = 0; octave < octaves; octave++) {
         make_rows(&detail->slices[octave], octave, i, dx * vf_set1(detail->per_x), rows[octave]);
     }
-    struct columns c = columns_at(t, i, x);
-    vf v0 = vf_fma(vf_set1(t->vx[i]), dx, vf_set1(t->v0[i])), vy = vf_set1(t->vy[i]), weight = vf_set1(0.5f * t->amount[i]);
-    float down = (float)t->y0[i] + 0.5f - t->y[i];
-    for (int y = t->y0[i], at = y * TILE_STRIDE + x; y <= t->y1[i]; y++, at += TILE_STRIDE, down += 1) {
-        vf dy = vf_set1(down), s2 = vf_max(vf_fma(vf_fma(c.k[2], dy, c.k[1]), dy, c.k[0]), vf_zero()), noise = vf_zero();
+    const struct columns c = columns_at(t, i, x);
+    const vf v0 = vf_fma(vf_set1(t->vx[i]), dx, vf_set1(t->v0[i])), vy = vf_set1(t->vy[i]), weight = vf_set1(0.5f * t->amount[i]);
+    float down = (float)t->y0[i] + 0.5f - t->y[i], per_y = detail->per_y;
+    const ptrdiff_t first = t->y0[i] * TILE_STRIDE + x;
+    const float *end_all = ends->all + first, *end_front = ends->front + first;
+    float *all = tile->sums[0] + first, *front = tile->sums[1] + first;
+    for (int left = t->y1[i] - t->y0[i]; left >= 0; left--, down += 1) {
+        vf dy = vf_set1(down), s2 = vf_max(vf_fma(vf_fma(c.k[2], dy, c.k[1]), dy, c.k[0]), vf_zero()), here = weight;
         vf root = vf_keep(vf_gt(s2, vf_zero()), s2 * vf_rsqrt_quick(s2)), along = vf_fma(vy, dy, v0);
-        for (int octave = 0; octave < detail->octaves; octave++) {
-            noise = noise + noise_at(rows[octave], DETAIL_CELLS << octave, down * detail->per_y);
+        vf enter = along - root, leave = along + root;
+        if (octaves > 0) {
+            vf noise = noise_at(rows[0], DETAIL_CELLS, down * per_y);
+            for (int octave = 1; octave < octaves; octave++) {
+                noise = noise + noise_at(rows[octave], DETAIL_CELLS << octave, down * per_y);
+            }
+            here = weight * vf_max(vf_fma(amount, noise, one), vf_zero());
         }
-        vf here = weight * vf_max(vf_fma(vf_set1(detail->amount), noise, one), vf_zero()), enter = along - root, leave = along + root;
-        vf all = vf_max(vf_min(leave, vf_loadu(ends->all + at)) - enter, vf_zero());
-        vf front = vf_max(vf_min(leave, vf_loadu(ends->front + at)) - enter, vf_zero());
-        vf_storeu(tile->sums[0] + at, vf_fma(here, all, vf_loadu(tile->sums[0] + at)));
-        vf_storeu(tile->sums[1] + at, vf_fma(here, front, vf_loadu(tile->sums[1] + at)));
+        vf_storeu(all, vf_fma(here, vf_max(vf_min(leave, vf_loadu(end_all)) - enter, vf_zero()), vf_loadu(all)));
+        vf_storeu(front, vf_fma(here, vf_max(vf_min(leave, vf_loadu(end_front)) - enter, vf_zero()), vf_loadu(front)));
+        end_all += TILE_STRIDE;
+        end_front += TILE_STRIDE;
+        all += TILE_STRIDE;
+        front += TILE_STRIDE;
     }
 }
 
-static void draw(const struct table *t, int i, struct splat_tile *tile, const struct foam_ends *ends, const struct sphere_detail *detail)
+static void draw(const struct table *t, int i, struct splat_tile *tile, const struct foam_ends *ends, const struct sphere_detail *detail,
+                 int octaves)
 {
     for (int x = t->x0[i]; x <= t->x1[i]; x += VLEN) {
-        draw_columns(t, i, x, tile, ends, detail);
+        switch (octaves) {
+        case 0: draw_columns(t, i, x, tile, ends, detail, 0); break;
+        case 1: draw_columns(t, i, x, tile, ends, detail, 1); break;
+        case 2: draw_columns(t, i, x, tile, ends, detail, 2); break;
+        default: draw_columns(t, i, x, tile, ends, detail, DETAIL_OCTAVES); break;
+        }
     }
 }
 
@@ -218,7 +233,7 @@ static void thickness(const struct splat_view *view, struct splat_tile *tile, si
         float acrosses[VLEN] __attribute__((aligned(64)));
         vf_store(acrosses, across);
         int octaves = 0;
-        while (octaves < DETAIL_OCTAVES &&
+        while (octaves < DETAIL_OCTAVES && amount > 0 &&
                make_slices(&slices[octaves], octaves, vf_load(p->seed + first), p->age ? vf_load(p->age + first) : vf_zero(), size)) {
             octaves++;
         }
@@ -228,11 +243,10 @@ static void thickness(const struct splat_view *view, struct splat_tile *tile, si
                 own++;
             }
             const struct sphere_detail detail = {.slices = slices,
-                                                 .octaves = own,
                                                  .amount = amount,
                                                  .per_x = 1 / (acrosses[i] * tile->pixels.fx),
                                                  .per_y = 1 / (acrosses[i] * tile->pixels.fy)};
-            draw(&table, i, tile, ends, &detail);
+            draw(&table, i, tile, ends, &detail, own);
         }
     }
 }
@@ -322,13 +336,16 @@ SIMD void deposit_front(const struct splat_view *view, struct splat_tile *tile, 
     tile->deposited = true;
 }
 
-static void front(const struct splat_view *view, struct splat_tile *tile, size_t chunk, const float *limits)
+static void front(const struct splat_view *view, struct splat_tile *tile, size_t chunk, const float *limits, float last)
 {
     vf per_metre = vf_set1(0.5f * (tile->texels.fx + tile->texels.fy)), deposit_below = vf_set1(view->scale > 1 ? DEPOSIT_RADIUS : 0);
     for (size_t first = chunk * CHUNK_SIZE; first < (chunk + 1) * CHUNK_SIZE; first += VLEN) {
         struct spheres s = project(view, &tile->texels, first);
         vf size = per_metre * vf_either(view->orthographic, s.radius, s.rho);
-        vm real = present(view, first), small = vf_lt(size, deposit_below);
+        vm real = vm_and(present(view, first), vf_lt(s.z - s.radius, vf_set1(last))), small = vf_lt(size, deposit_below);
+        if (!vm_any(real)) {
+            continue;
+        }
         deposit_front(view, tile, &s, first, vm_and(real, small), limits);
         add_front(view, tile, &s, first, vm_and(real, vm_not(small)), size, limits);
     }

@@ -309,6 +309,7 @@ static void veil(const struct shade_optics *o, struct shade_row *row)
         vm fluid = vf_lt(vf_zero(), vf_abs(vf_loadu(row->nz + i)));
         vf before = vf_clamp(vf_loadu(row->before + i), vf_zero(), vf_loadu(row->thickness + i));
         vf_storeu(row->veil + i, through_of(vf_set1(o->foam_extinction), vf_loadu(row->foam + i)));
+        vf_storeu(row->thin + i, through_of(vf_set1(o->foam_range_extinction), vf_loadu(row->foam_range + i)));
         vf_storeu(row->before + i, vf_keep(fluid, before));
     }
 }
@@ -318,8 +319,7 @@ SIMD vf mix(vf a, vf b, vf t) { return vf_fma(t, b - a, a); }
 
 SIMD vf foam_radiance(const struct shade_optics *o, const struct shade_row *row, int i, int c)
 {
-    vf thin = through_of(vf_set1(o->foam_range_extinction), vf_loadu(row->foam_range + i));
-    return vf_fma(vf_set1(o->foam_back[c] - o->foam_front[c]), thin, vf_set1(o->foam_front[c]));
+    return vf_fma(vf_set1(o->foam_back[c] - o->foam_front[c]), vf_loadu(row->thin + i), vf_set1(o->foam_front[c]));
 }
 
 /* layers_at of the plain C. */
@@ -327,10 +327,10 @@ SIMD vf layers_at(const struct shade_optics *o, bool has_color, const struct sha
                   vf surface, vf enters)
 {
     vf absorption = absorption_of(o, has_color, row, i, c), before = vf_loadu(row->before + i), foam = foam_radiance(o, row, i, c);
-    vf front = through_of(absorption, before), back = through_of(absorption, vf_loadu(row->thickness + i) - before);
-    vf veil = vf_loadu(row->veil + i), under = mix(foam, vf_fma(back, behind - scatter, scatter), veil);
-    vf wet = vf_fma(enters, vf_fma(front, under - scatter, scatter), surface);
-    vf body = vf_fma(vf_loadu(row->transmittance[c] + i), behind - scatter, scatter), dry = mix(foam, vf_fma(enters, body, surface), veil);
+    vf front = through_of(absorption, before), veil = vf_loadu(row->veil + i), through = vf_loadu(row->transmittance[c] + i);
+    vf past = through * (behind - scatter), lit = mix(foam, scatter, veil);
+    vf wet = vf_fma(enters, vf_fma(front, lit - scatter, vf_fma(past, veil, scatter)), surface);
+    vf dry = mix(foam, vf_fma(enters, scatter + past, surface), veil);
     vf share = (vf_loadu(row->foam_depth + i) - vf_loadu(row->depth + i)) * vf_set1(1 / o->foam_blend) + vf_set1(0.5f);
     return mix(dry, wet, vf_saturate(share));
 }

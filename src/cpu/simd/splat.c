@@ -169,11 +169,19 @@ static void resolve_sum(const struct splat_view *view, const struct splat_tile *
         for (int x = 0; x < tile->texels.columns; x += VLEN) {
             float values[VLEN] __attribute__((aligned(64)));
             int lanes = tile->texels.columns - x < VLEN ? tile->texels.columns - x : VLEN;
-            vf_store(values, vf_load(sums + x));
-            for (int i = 0; i < lanes && tile->deposited; i++) {
-                values[i] += cell_sum(tile->cells[sum] + y * CELL_STRIDE, x + i);
+            vf value = vf_load(sums + x);
+            if (tile->deposited) {
+                vf_store(values, value);
+                for (int i = 0; i < lanes; i++) {
+                    values[i] += cell_sum(tile->cells[sum] + y * CELL_STRIDE, x + i);
+                }
+                value = vf_load(values);
             }
-            vf value = vf_set1(2) * vf_load(values) * vf_rsqrt(ray_length2(&ray, x));
+            value = vf_set1(2) * value * vf_rsqrt(ray_length2(&ray, x));
+            if (lanes == VLEN) {
+                vf_storeu(row + x, value);
+                continue;
+            }
             vf_store(values, value);
             for (int i = 0; i < lanes; i++) {
                 row[x + i] = values[i];
