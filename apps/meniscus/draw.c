@@ -4,6 +4,8 @@
 #include "program.h"
 #include "view.h"
 
+#include <math.h>
+
 void draw_warn_if_empty(const struct drawing *drawing, const char *name, const struct mns_stats *stats)
 {
     if (stats->pixels_covered > 0 || drawing->options->quiet) {
@@ -31,13 +33,20 @@ int draw_picture(const struct drawing *drawing, const struct mns_particles *part
     if (mns_renderer_prepare(drawing->renderer, particles) != MNS_OK) {
         return program_fail("%s: %s", moment->name, mns_renderer_message(drawing->renderer));
     }
+    int status = diffuse_prepare(drawing->diffuse, drawing->renderer, (long long)floor(moment->number));
+    if (status != STATUS_DONE) {
+        return status;
+    }
     struct mns_params params = drawing->options->params;
+    if (drawing->diffuse && params.foam == MNS_FOAM_NONE) { /* they alone, of which nothing need be told */
+        params.foam = MNS_FOAM_LAYERED;
+    }
     if (drawing->survey) {
         survey_fix_params(drawing->survey, particles->radius.data != NULL, particles->mass.data != NULL, &params);
     }
     struct mns_camera camera;
     mns_renderer_stats(drawing->renderer, stats);
-    int status = draw_camera(drawing, stats, moment, &camera);
+    status = draw_camera(drawing, stats, moment, &camera);
     if (status != STATUS_DONE) {
         return status;
     }

@@ -2,6 +2,7 @@
 #ifndef MENISCUS_DRAW_H
 #define MENISCUS_DRAW_H
 
+#include "diffuse.h"
 #include "options.h"
 #include "scenery.h"
 #include "survey.h"
@@ -12,6 +13,7 @@ struct drawing {
     const struct survey *survey; /* of the sequence; NULL: each picture's own */
     mns_renderer *renderer;
     struct scenery *scenery; /* NULL: none */
+    struct diffuse *diffuse; /* NULL: none */
 };
 
 /* Which picture it is. */

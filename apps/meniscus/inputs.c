@@ -321,6 +321,24 @@ int inputs_add(struct inputs *inputs, const char *name)
     return ends_in(name, ".pvd") ? add_pvd(inputs, name) : add_path(inputs, copy(name), name);
 }
 
+int inputs_add_all(struct inputs *inputs, const char *name)
+{
+    struct stat file;
+    size_t first = inputs->count;
+    bool folder = *name && stat(name, &file) == 0 && S_ISDIR(file.st_mode);
+    int status = folder ? add_folder(inputs, name, name, picks_particles, NULL) : inputs_add(inputs, name);
+    if (status == STATUS_DONE && inputs->count == first) {
+        status = program_fail("%s: holds no particle files (*.bgeo, *.vtk, *.vtu, *.npy and the like)", name);
+    }
+    sort(inputs, first);
+    for (size_t i = first; i < inputs->count; i++) {
+        size_t digits;
+        const char *at = number_in(inputs->list[i].path, &digits);
+        inputs->list[i].number = at && digits <= 15 ? strtoll(at, NULL, 10) : -1;
+    }
+    return status;
+}
+
 void inputs_number(struct inputs *inputs)
 {
     if (!inputs->ordered) {

@@ -21,6 +21,10 @@ struct inputs {
  * on failure it was told why. inputs_free may always be called. */
 int inputs_add(struct inputs *inputs, const char *name);
 
+/* The same of files that may be of several series: a directory stands for all its particle files. Each is numbered by the last number in its name; -1: there
+ * is none. */
+int inputs_add_all(struct inputs *inputs, const char *name);
+
 /* Sorts naturally by the numbers in the names, and numbers the frames: by the last number in each name where all have one and no two are
  * alike, else 1, 2, 3 ... */
 void inputs_number(struct inputs *inputs);

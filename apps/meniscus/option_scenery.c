@@ -5,6 +5,12 @@
 
 enum { MESHES_MAX = 256 }; /* as meniscus/scene.h has places */
 
+bool option_set_foam_particles(struct options *options, const char *value, struct mns_message *message)
+{
+    options->foam_files[options->foam_file_count++] = value;
+    return *value || option_refuse(message, "the name is empty");
+}
+
 static bool add_mesh(struct options *options, const char *value, bool container, struct mns_message *message)
 {
     options->meshes[options->mesh_count++] = (struct mesh_file){.path = value, .container = container};

@@ -4,6 +4,7 @@
 
 #include "options.h"
 
+bool option_set_foam_particles(struct options *options, const char *value, struct mns_message *message);
 bool option_set_mesh(struct options *options, const char *value, struct mns_message *message);
 bool option_set_container(struct options *options, const char *value, struct mns_message *message);
 bool option_set_mesh_scale(struct options *options, const char *value, struct mns_message *message);

@@ -390,6 +390,10 @@ const struct option_row option_table[] = {
     {"--mu", 0, "M", SMOOTHS, "mu", NULL, "where what lies beyond counts, in splat radii"},
 
     {"--foam", 0, "KIND", DRAWS, "foam", NULL, "none, noise (small waves and grey foam) or layered (foam before, in and behind the water)"},
+    {"--foam-particles", 0, "FILES", COMMAND_RENDER, NULL, option_set_foam_particles,
+     "the simulation's own foam, spray and bubbles: files, a folder or a pattern, matched with the frames by the last number in the name; "
+     "what "
+     "they are is told by foam, spray or bubbles in the name, or by an attribute kind (0 foam, 1 spray, 2 bubble); repeatable"},
     {"--display", 0, "MODE", DRAWS, "display", NULL, "beauty, opaque, spheres, normal, depth, thickness, curvature, color"},
     {"--layer", 0, "NAME=FILE", COMMAND_RENDER, NULL, option_set_layer,
      "save a layer as .npy or .exr (a pattern in a sequence); repeatable"},

@@ -125,8 +125,10 @@ int options_parse(struct options *options, enum command command, int count, char
     options->presets = calloc(room, sizeof(*options->presets));
     options->looks = calloc(room, sizeof(*options->looks));
     options->meshes = calloc(room, sizeof(*options->meshes));
+    options->foam_files = calloc(room, sizeof(*options->foam_files));
     options->settings = calloc(2 * room, sizeof(*options->settings)); /* --sun and --background set two */
-    if (!options->inputs || !options->roles || !options->presets || !options->looks || !options->meshes || !options->settings) {
+    if (!options->inputs || !options->roles || !options->presets || !options->looks || !options->meshes || !options->foam_files ||
+        !options->settings) {
         return program_fail("out of memory");
     }
     bool only_inputs = false;
@@ -157,6 +159,7 @@ void options_free(struct options *options)
     free((void *)options->presets);
     free((void *)options->looks);
     free(options->meshes);
+    free((void *)options->foam_files);
     free(options->settings);
     free(options->keys);
 }

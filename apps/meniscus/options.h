@@ -86,6 +86,9 @@ struct options {
     const char *save_look;
     struct mns_params params; /* looks and settings applied */
 
+    const char **foam_files; /* [foam_file_count] as given */
+    size_t foam_file_count;
+
     struct mesh_file *meshes; /* [mesh_count] */
     size_t mesh_count;
     double mesh_scale; /* metres per unit */
