@@ -408,6 +408,7 @@ const struct option_row option_table[] = {
      "x, y or z: which axis is up in the meshes' files (as in the particles')"},
     {"--floor", 0, "on|off", DRAWS, "floor", NULL, "draw a floor (on)"},
     {"--sun", 0, "AZ,EL", DRAWS, NULL, set_sun, "where the sun stands, degrees about the up axis and above the horizon"},
+    {"--tone-map", 0, "NAME", DRAWS, "tone_map", NULL, "none, filmic or reinhard: how light beyond white becomes a colour (none)"},
     {"--exposure", 0, "EV", DRAWS, "exposure", NULL, "the picture's light times 2^EV"},
     {"--background", 0, "COLOR", DRAWS, NULL, set_background, "sky, transparent, or RRGGBB"},
     {"--color-by", 0, "EXPR", COMMAND_RENDER, NULL, option_set_color_by,

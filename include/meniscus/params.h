@@ -57,6 +57,12 @@ enum mns_foam {
     MNS_FOAM_LAYERED = 2 /* [BSW10] 5: foam before, in and behind the water */
 };
 
+enum mns_tone_map {
+    MNS_TONE_MAP_NONE = 0,    /* what is above 1 is clipped */
+    MNS_TONE_MAP_FILMIC = 1,  /* a film's curve: more contrast, and light that fades to white */
+    MNS_TONE_MAP_REINHARD = 2 /* Reinhard and others 2002, eq. 4, per channel; 4 becomes white */
+};
+
 enum mns_axis { MNS_AXIS_X = 0, MNS_AXIS_Y = 1, MNS_AXIS_Z = 2 };
 
 /* All parameters. Plain values: copy freely. The table tells each one's range, default and meaning at length. */
@@ -117,6 +123,7 @@ struct mns_params {
     float sun_elevation;       /* degrees above the horizon */
     float sun_intensity;       /* times the default sun */
     float exposure;            /* EV: the picture times 2^exposure */
+    int tone_map;              /* enum mns_tone_map: of 8- and 16-bit pictures; float32 stays linear */
 
     /* Foam. */
     int foam; /* enum mns_foam */

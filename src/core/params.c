@@ -30,6 +30,7 @@ static const char *const smooth_scales[] = {"", "1", "2", "", "4", NULL};
 static const char *const fresnels[] = {"exact", "schlick", NULL};
 static const char *const backgrounds[] = {"sky", "color", "transparent", NULL};
 static const char *const foams[] = {"none", "noise", "layered", NULL};
+static const char *const tone_maps[] = {"none", "filmic", "reinhard", NULL};
 static const char *const axes[] = {"x", "y", "z", NULL};
 
 #define AT(field) .name = #field, .offset = offsetof(struct mns_params, field)
@@ -116,6 +117,8 @@ static const struct mns_param table[] = {
     {FLOAT(sun_elevation, 1, 90, 48), .unit = "deg", .group = "scene", .help = "height of the sun above the horizon"},
     {FLOAT(sun_intensity, 0, 100, 1), .unit = "", .group = "scene", .help = "scales the sun's light"},
     {FLOAT(exposure, -20, 20, 0), .unit = "EV", .group = "scene", .help = "the picture's light times 2^exposure"},
+    {ENUM(tone_map, tone_maps, MNS_TONE_MAP_NONE), .unit = "", .group = "scene",
+     .help = "how light beyond white becomes a colour, in 8- and 16-bit pictures; float32 stays linear"},
 
     {ENUM(foam, foams, MNS_FOAM_NONE), .unit = "", .group = "foam",
      .help = "noise: a moving pattern of small waves and grey foam ([LGS09] 3.4); layered: foam before, in and behind the water ([BSW10])"},

@@ -222,6 +222,33 @@ static void write_foam_layers(const struct shade_run *run, const struct shade_ro
     }
 }
 
+/* Narkowicz 2016: a fit to the curve of the Academy's (ACES) reference for screens, for light times 0.6. */
+static float filmic(float v)
+{
+    v = 0.6f * fmaxf(v, 0);
+    return fminf(v * (2.51f * v + 0.03f) / (v * (2.43f * v + 0.59f) + 0.14f), 1);
+}
+
+/* Reinhard and others 2002, eq. 4. */
+static float reinhard(float v)
+{
+    enum { WHITE = 4 };
+    v = fmaxf(v, 0);
+    return v * (1 + v / (WHITE * WHITE)) / (1 + v);
+}
+
+/* Colours times the gain to 0 to 1, in place. An infinite one is white. */
+static void map_tones(const struct shade_run *run, struct shade_row *row)
+{
+    bool film = run->frame->params.tone_map == MNS_TONE_MAP_FILMIC;
+    for (int c = 0; c < 3; c++) {
+        for (int i = 0; i < row->count; i++) {
+            float v = fminf(row->out[c][i] * run->gain, 1e6f);
+            row->out[c][i] = film ? filmic(v) : reinhard(v);
+        }
+    }
+}
+
 static void draw(struct shade_run *run, struct shade_row *row, bool has_foam, const float *curvature)
 {
     const struct shade_kernels *kernels = run->cpu->kernels->shade;
@@ -281,8 +308,13 @@ static void shade_row(struct shade_run *run, struct shade_row *row)
     } else {
         run->cpu->kernels->shade->split(optics->scene + 4 * (row->y * optics->scene_stride + row->x), row->count, row->out);
     }
-    run->cpu->kernels->shade->encode(row->out, row->count, diagram ? 1 : run->gain, diagram ? PIXEL_CODE : PIXEL_COLOR, beauty->pixel,
-                                     beauty->channels, mns_pixels_at(beauty, row->x, row->y));
+    bool as_is = diagram || display == MNS_DISPLAY_COLOR; /* to be compared with a scale */
+    bool mapped = !as_is && run->frame->params.tone_map != MNS_TONE_MAP_NONE && beauty->pixel != MNS_PIXEL_F32;
+    if (mapped) {
+        map_tones(run, row);
+    }
+    run->cpu->kernels->shade->encode(row->out, row->count, as_is || mapped ? 1 : run->gain, diagram ? PIXEL_CODE : PIXEL_COLOR,
+                                     beauty->pixel, beauty->channels, mns_pixels_at(beauty, row->x, row->y));
 }
 
 static void shade_job(void *context, int index)

@@ -298,6 +298,45 @@ static void test_scale_and_threads_change_nothing(void **state)
     }
 }
 
+/* Light beyond white keeps its order, black stays black, and float pictures and diagrams are as they were. */
+static void test_tone_maps(void **state)
+{
+    (void)state;
+    static float plain[PIXELS * 4], mapped[PIXELS * 4];
+    static uint8_t bytes[PIXELS * 4];
+    static const float far_away[3] = {0, 0, 500};
+    struct stage_test test;
+    stage_test_begin(&test, MNS_ISA_AUTO, 2, far_away, 1);
+    mns_camera_init(&test.camera, WIDTH, HEIGHT);
+    const double eye[3] = {0, 0, 3}, target[3] = {0, 0, 0}, up[3] = {0, 1, 0};
+    mns_camera_look_at(&test.camera, eye, target, up);
+    test.params.exposure = 2;
+    struct mns_output output = {MNS_LAYER_BEAUTY, image_of(&test, plain, 4, MNS_PIXEL_F32)};
+    stage_test_frame(&test, NULL, &output, 1, 1);
+    shade(&test);
+    for (int map = MNS_TONE_MAP_FILMIC; map <= MNS_TONE_MAP_REINHARD; map++) {
+        test.params.tone_map = map;
+        output.image = image_of(&test, mapped, 4, MNS_PIXEL_F32);
+        stage_test_frame(&test, NULL, &output, 1, 1);
+        shade(&test);
+        assert_memory_equal(plain, mapped, sizeof(plain));
+        output.image = image_of(&test, bytes, 4, MNS_PIXEL_U8);
+        stage_test_frame(&test, NULL, &output, 1, 1);
+        shade(&test);
+        int brighter = 0;
+        for (int i = 0; i < PIXELS; i++) {
+            double light = (double)plain[4 * i], code = bytes[4 * i] / 255.0,
+                   back = code <= 0.04045 ? code / 12.92 : pow((code + 0.055) / 1.055, 2.4);
+            double v = 0.6 * light, film = fmin(v * (2.51 * v + 0.03) / (v * (2.43 * v + 0.59) + 0.14), 1);
+            double wanted = map == MNS_TONE_MAP_FILMIC ? film : fmin(light * (1 + light / 16) / (1 + light), 1);
+            assert_true(fabs(back - wanted) < 0.006); /* half of a code where they are farthest apart */
+            brighter += light > 1.2 && bytes[4 * i] < 255;
+        }
+        assert_true(brighter > PIXELS / 20);
+    }
+    stage_test_end(&test);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -307,6 +346,7 @@ int main(void)
         cmocka_unit_test(test_transmittance_and_alpha_of_a_known_thickness),
         cmocka_unit_test(test_lookups_never_show_what_stands_before_the_fluid),
         cmocka_unit_test(test_scale_and_threads_change_nothing),
+        cmocka_unit_test(test_tone_maps),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
