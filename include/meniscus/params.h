@@ -152,6 +152,16 @@ struct mns_params {
     float foam_front_color[3];   /* linear RGB albedo of thick front foam: c_ff */
     float foam_back_color[3];    /* of thin front foam: c_fb */
     float foam_detail;           /* strength of the noise on the foam's thickness; 0: smooth spheres */
+
+    /* Noise, where foam is noise: [LGS09] 3.4, [P430] eq. 14 to 16. */
+    float noise_height;    /* r: height of the waves that it makes of the surface, where noise is 1 */
+    float noise_scale;     /* r: size of the cells of the coarsest octave */
+    float noise_radius;    /* r: radius of a particle's splat; what is as deep below the surface adds nothing */
+    int noise_octaves;     /* of Perlin's noise, each with cells of half the size */
+    float noise_gain;      /* amplitude of an octave over that of the one before: alpha of [P430] eq. 14 */
+    float noise_foam;      /* how much of the grey foam there is where noise is 1 */
+    float noise_threshold; /* noise from which on there is grey foam */
+    float noise_color[3];  /* linear RGB of the grey foam in white light */
 };
 
 /* All defaults. size: sizeof(struct mns_params) as the caller knows it. */
@@ -168,7 +178,7 @@ enum mns_param_type {
 /* One row of the table. All strings are static. */
 struct mns_param {
     const char *name;  /* the field's name, as in --set NAME=VALUE */
-    const char *group; /* "particles", "thickness", "smoothing", "water", "scene", "foam" */
+    const char *group; /* "particles", "thickness", "smoothing", "water", "scene", "foam", "noise" */
     enum mns_param_type type;
     int components;          /* 1, or 3 for colours */
     size_t offset;           /* in struct mns_params */

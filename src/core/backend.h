@@ -11,6 +11,7 @@ enum stage {
     STAGE_BIN,    /* particles -> chunks per tile */
     STAGE_SPLAT,  /* tiles -> depth_raw, thickness_raw, color sums */
     STAGE_SMOOTH, /* depth_raw -> depth */
+    STAGE_NOISE,  /* particles near depth -> noise */
     STAGE_BLUR,   /* thickness_raw -> thickness, color */
     STAGE_FOAM,   /* foam and water before it, thickness_raw -> foam_depth, foam_thickness, foam_front_thickness, thickness_front */
     STAGE_SHADE,  /* depth, thickness, color, scene -> normal, curvature, transmittance, alpha, beauty */

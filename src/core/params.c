@@ -167,6 +167,18 @@ static const struct mns_param table[] = {
      .help = "layered: linear colour of thin front foam, c_fb"},
     {FLOAT(foam_detail, 0, 10, 1), .unit = "", .group = "foam",
      .help = "layered: strength of the noise on the foam's thickness, which varies with its age; 0: smooth spheres"},
+
+    {FLOAT(noise_height, 0, 10, 0.1), .unit = "r", .group = "noise",
+     .help = "height of the waves that foam noise makes of the surface, where the noise is 1"},
+    {FLOAT(noise_scale, 0.05, 20, 1), .unit = "r", .group = "noise", .help = "size of the cells of the coarsest octave"},
+    {FLOAT(noise_radius, 1.1, 10, 2), .unit = "r", .group = "noise",
+     .help = "radius of a particle's splat ([LGS09] eq. 10); particles that deep below the surface add nothing"},
+    {INT(noise_octaves, 1, 6, 3), .unit = "", .group = "noise", .help = "octaves of Perlin's noise, each with cells of half the size"},
+    {FLOAT(noise_gain, 0, 1, 0.5), .unit = "", .group = "noise",
+     .help = "amplitude of an octave over that of the one before ([P430] eq. 14)"},
+    {FLOAT(noise_foam, 0, 100, 0.5), .unit = "", .group = "noise", .help = "how much of the grey foam there is where the noise is 1"},
+    {FLOAT(noise_threshold, 0, 10, 0.25), .unit = "", .group = "noise", .help = "noise from which on there is grey foam"},
+    {FLOAT3(noise_color, 0, 1, 0.75, 0.78, 0.8), .unit = "", .group = "noise", .help = "linear colour of the grey foam in white light"},
 };
 
 enum { ROWS = sizeof(table) / sizeof(table[0]) };

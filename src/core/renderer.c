@@ -9,7 +9,7 @@
 
 enum { THREADS_MAX = 1024 };
 
-const char *const mns_stage_names[STAGE_COUNT] = {"scene", "bin", "splat", "smooth", "blur", "foam", "shade"};
+const char *const mns_stage_names[STAGE_COUNT] = {"scene", "bin", "splat", "smooth", "noise", "blur", "foam", "shade"};
 
 struct mns_renderer {
     struct memory memory;

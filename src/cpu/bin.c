@@ -228,14 +228,12 @@ static bool create(struct backend *cpu)
     return cpu->tiles && cpu->scratch;
 }
 
-mns_result mns_cpu_bin_store(struct backend *cpu, const struct frame *frame, enum store_kind kind, float larger)
+mns_result mns_cpu_bin_view(struct backend *cpu, struct tiles *tiles)
 {
     struct memory *memory = cpu->host.memory;
-    const struct particle_store *particles = &cpu->stores[kind];
-    struct tiles *tiles = &cpu->tiles[kind];
-    resolve_view(&tiles->view, particles, frame, larger);
-    tiles->columns = (frame->view.width + TILE_SIZE - 1) / TILE_SIZE;
-    tiles->rows = (frame->view.height + TILE_SIZE - 1) / TILE_SIZE;
+    const struct particle_store *particles = tiles->view.particles;
+    tiles->columns = (tiles->view.width + TILE_SIZE - 1) / TILE_SIZE;
+    tiles->rows = (tiles->view.height + TILE_SIZE - 1) / TILE_SIZE;
     struct bin bin = {.tiles = tiles, .kernels = cpu->kernels->splat};
     bin.slices = cpu->host.threads < SLICES_MAX ? cpu->host.threads : SLICES_MAX;
 
@@ -260,6 +258,12 @@ mns_result mns_cpu_bin_store(struct backend *cpu, const struct frame *frame, enu
     }
     tiles->particles_visible = visible < particles->count ? visible : particles->count;
     return MNS_OK;
+}
+
+mns_result mns_cpu_bin_store(struct backend *cpu, const struct frame *frame, enum store_kind kind, float larger)
+{
+    resolve_view(&cpu->tiles[kind].view, &cpu->stores[kind], frame, larger);
+    return mns_cpu_bin_view(cpu, &cpu->tiles[kind]);
 }
 
 mns_result mns_cpu_bin(struct backend *cpu, const struct frame *frame)

@@ -35,6 +35,7 @@ static void destroy(struct backend *cpu)
     struct memory *memory = cpu->host.memory;
     mns_bin_destroy(cpu);
     mns_scene_destroy(cpu);
+    mns_noise_destroy(cpu);
     mns_blur_destroy(cpu);
     mns_foam_destroy(cpu);
     free_thickness(&cpu->raw, memory);
@@ -86,6 +87,7 @@ const struct backend_functions mns_backend_cpu = {
                [STAGE_BIN] = mns_cpu_bin,
                [STAGE_SPLAT] = mns_cpu_splat,
                [STAGE_SMOOTH] = mns_cpu_smooth,
+               [STAGE_NOISE] = mns_cpu_noise,
                [STAGE_BLUR] = mns_cpu_blur,
                [STAGE_FOAM] = mns_cpu_foam,
                [STAGE_SHADE] = mns_cpu_shade},

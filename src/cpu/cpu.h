@@ -43,11 +43,13 @@ struct backend {
     struct plane depth_normal[3]; /* smooth: plane-fit's normals, with the depth's border and stride; empty until they are needed */
     float *block_values;          /* smooth: three values for each block of a depth plane */
     size_t block_values_capacity;
-    struct depth_plane depth_texels;  /* smooth at part of the size: depth_raw in texels (smooth/resample.h); empty until they are needed */
-    struct plane tangents[3];         /* ... the smoothed texels' flat depth and its slopes along x and y */
-    struct depth_plane depth_pixels;  /* ... and the result */
-    float *line_scratch; /* smooth: lines that are being solved, for each thread */
+    struct depth_plane depth_texels; /* smooth at part of the size: depth_raw in texels (smooth/resample.h); empty until they are needed */
+    struct plane tangents[3];        /* ... the smoothed texels' flat depth and its slopes along x and y */
+    struct depth_plane depth_pixels; /* ... and the result */
+    float *line_scratch;             /* smooth: lines that are being solved, for each thread */
     size_t line_scratch_capacity;
+    struct plane noise;                 /* noise: N of [LGS09] eq. 11; not made unless the parameter foam is noise */
+    float *noise_lattice;               /* noise: gradients (noise.h), from the first such frame on */
     struct depth_plane *smoothed;       /* smooth: where the result is (depth_raw when the filter is none) */
     struct thickness_image raw;         /* splat */
     struct thickness_image blurred;     /* blur */
@@ -62,12 +64,14 @@ mns_result mns_cpu_scene(struct backend *cpu, const struct frame *frame);
 mns_result mns_cpu_bin(struct backend *cpu, const struct frame *frame);
 mns_result mns_cpu_splat(struct backend *cpu, const struct frame *frame);
 mns_result mns_cpu_smooth(struct backend *cpu, const struct frame *frame);
+mns_result mns_cpu_noise(struct backend *cpu, const struct frame *frame);
 mns_result mns_cpu_blur(struct backend *cpu, const struct frame *frame);
 mns_result mns_cpu_foam(struct backend *cpu, const struct frame *frame);
 mns_result mns_cpu_shade(struct backend *cpu, const struct frame *frame);
 
 /* Chunks of a store per tile, its radii `larger` times as large, in cpu->tiles[kind]. */
 mns_result mns_cpu_bin_store(struct backend *cpu, const struct frame *frame, enum store_kind kind, float larger);
+mns_result mns_cpu_bin_view(struct backend *cpu, struct tiles *tiles); /* of the store and with the radii that tiles->view says */
 
 /* Blurs another plane of the thickness's texels, with a border, as the thickness was: after stage blur. out has a border of 1, the edge repeated. */
 void mns_cpu_blur_plane(struct backend *cpu, const struct frame *frame, const struct plane *in, struct plane *out);
@@ -75,6 +79,7 @@ void mns_cpu_blur_plane(struct backend *cpu, const struct frame *frame, const st
 /* What a stage holds beyond the planes above, given back when the backend goes. */
 void mns_bin_destroy(struct backend *cpu);
 void mns_scene_destroy(struct backend *cpu); /* the scene image and the shadow */
+void mns_noise_destroy(struct backend *cpu);
 void mns_blur_destroy(struct backend *cpu);
 void mns_foam_destroy(struct backend *cpu);
 

@@ -8,6 +8,7 @@
 #include "cpu/blur.h"
 #include "cpu/ellipsoid.h"
 #include "cpu/foam.h"
+#include "cpu/noise.h"
 #include "cpu/scene.h"
 #include "cpu/shade.h"
 #include "cpu/smooth.h"
@@ -17,6 +18,7 @@ struct kernels {
     const struct splat_kernels *splat;
     const struct ellipsoid_kernels *ellipsoid; /* splat: particles with a shape */
     const struct smooth_kernels *smooth;
+    const struct noise_kernels *noise;
     const struct blur_kernels *blur;
     const struct foam_kernels *foam;
     const struct scene_kernels *scene;

@@ -26,7 +26,8 @@ struct particle_store {
     float *age;         /* foam: 0 to 1, or NULL: all 0 */
     float *opacity;     /* spray: 0 to 1 */
     float *velocity[3]; /* spray: m/s, world space, or NULL */
-    float *seed;        /* foam and spray: a whole number under 2^24 for each particle, by its id, else its index */
+    float *noise;       /* water: amplitude, 0 to 1, or NULL: all 1 */
+    float *seed;        /* a whole number under 2^24 for each particle, by its id, else its index */
     /* Boxes of the chunks' centres, the largest radius, the largest factor and a bound on the longest semi-axis of A in each (0 when there are
      * none). [chunk_count rounded up to 16] */
     float *box_min[3], *box_max[3], *box_radius, *box_factor, *box_stretch;

@@ -26,6 +26,8 @@ struct shade_run {
     struct shade_optics optics;
     const struct plane *surface; /* depth that is shaded: smoothed, or raw in display spheres */
     const struct foam *foam;     /* NULL: none shows */
+    const struct plane *noise;   /* on the surface, or NULL */
+    float noise_height;          /* metres */
     struct display_range range;
     float gain;
     bool has_color, needs_color, needs_curvature, needs_optics, needs_layers;
@@ -72,6 +74,7 @@ static void resolve_optics(struct shade_optics *out, const struct backend *cpu, 
         out->scatter[c] = params->fluid_color[c] * light;
         out->scatter_light[c] = SCATTER_WHITE * light;
         out->opaque[c] = params->opaque_color[c];
+        out->grey[c] = params->noise_color[c];
         out->foam_front[c] = params->foam_front_color[c] * light;
         out->foam_back[c] = params->foam_back_color[c] * light;
     }
@@ -135,6 +138,52 @@ static bool sample_foam(const struct shade_run *run, struct shade_row *row)
     return any;
 }
 
+/* Depths with the noise on them, and those above and below: what the normals are those of ([LGS09] 3.4). Returns where the row's first stands. A
+ * scene before the fluid is moved along, so that it hides the same pixels. */
+static const float *add_waves(const struct shade_run *run, const struct shade_row *row, float depths[3][NORMALS_WIDTH], float *scene_depth)
+{
+    int width = row->count + 2 * SHADE_MARGIN;
+    for (int r = 0; r < 3; r++) {
+        const float *depth = run->surface->data + (row->y + r - 1) * run->surface->stride + row->x - SHADE_MARGIN;
+        const float *noise = run->noise->data + (row->y + r - 1) * run->noise->stride + row->x - SHADE_MARGIN;
+        for (int i = 0; i < width; i++) {
+            depths[r][i] = depth[i] - run->noise_height * noise[i];
+        }
+    }
+    const float *noise = run->noise->data + row->y * run->noise->stride + row->x;
+    const float *scene = run->optics.scene_depth + row->y * run->optics.scene_depth_stride + row->x;
+    for (int i = 0; i < row->count && run->optics.scene_depth; i++) {
+        scene_depth[i] = scene[i] - run->noise_height * noise[i];
+    }
+    return depths[1] + SHADE_MARGIN;
+}
+
+/* Normals of the row, of what shows. Returns how many pixels have fluid. */
+static int row_normals(const struct shade_run *run, struct shade_row *row, const float *depth)
+{
+    const struct shade_optics *optics = &run->optics;
+    const float *scene_depth = optics->scene_depth ? optics->scene_depth + row->y * optics->scene_depth_stride + row->x : NULL;
+    ptrdiff_t stride = run->surface->stride;
+    float waves[3][NORMALS_WIDTH], waves_scene[SHADE_SPAN];
+    if (run->noise) {
+        depth = add_waves(run, row, waves, waves_scene);
+        stride = NORMALS_WIDTH;
+        scene_depth = scene_depth ? waves_scene : NULL;
+    }
+    return run->cpu->kernels->shade->normals(optics, depth, stride, scene_depth, row->x, row->y, row->count, row->nx, row->ny, row->nz);
+}
+
+/* Grey foam where the noise is large ([LGS09] 3.5). */
+static void cover_with_grey(const struct shade_run *run, struct shade_row *row)
+{
+    const struct mns_params *params = &run->frame->params;
+    const float *noise = run->noise->data + row->y * run->noise->stride + row->x;
+    for (int i = 0; i < row->count; i++) {
+        float part = params->noise_foam * (fabsf(noise[i]) - params->noise_threshold);
+        row->grey[i] = part > 0 ? part < 1 ? part : 1 : 0;
+    }
+}
+
 static void row_curvature(const struct shade_run *run, const struct shade_row *row, float *curvature)
 {
     float normals[3][3][NORMALS_WIDTH];
@@ -166,6 +215,7 @@ static void write_layers(const struct shade_run *run, const struct shade_row *ro
     float *depth = layer_at(run, MNS_LAYER_DEPTH, row), *normal = layer_at(run, MNS_LAYER_NORMAL, row);
     float *curved = layer_at(run, MNS_LAYER_CURVATURE, row), *color = layer_at(run, MNS_LAYER_COLOR, row);
     float *transmittance = layer_at(run, MNS_LAYER_TRANSMITTANCE, row), *alpha = layer_at(run, MNS_LAYER_ALPHA, row);
+    float *noise = layer_at(run, MNS_LAYER_NOISE, row);
     for (int i = 0; i < row->count; i++) {
         bool fluid = row->nz[i] != 0;
         if (depth) {
@@ -179,7 +229,10 @@ static void write_layers(const struct shade_run *run, const struct shade_row *ro
         if (curved) {
             curved[i] = curvature[i];
         }
-        float sum = 0, veil = has_foam ? row->veil[i] : 1;
+        if (noise) {
+            noise[i] = fluid && run->noise ? run->noise->data[row->y * run->noise->stride + row->x + i] : 0;
+        }
+        float sum = 0, veil = has_foam ? row->veil[i] : run->noise && fluid ? 1 - row->grey[i] : 1;
         for (int c = 0; c < 3; c++) {
             float through = veil * (fluid ? row->transmittance[c][i] * (1 - row->fresnel[i]) : 1);
             sum += through;
@@ -265,8 +318,11 @@ static void draw(struct shade_run *run, struct shade_row *row, bool has_foam, co
         break;
     case MNS_DISPLAY_OPAQUE:
     case MNS_DISPLAY_SPHERES: kernels->opaque(&run->optics, run->has_color, row); break;
-    case MNS_DISPLAY_COLOR: mns_display_color(&run->optics, run->has_color, row); break;
-    default: mns_display_row(run->frame, &run->range, row, curvature); break;
+    case MNS_DISPLAY_COLOR: mns_display_color(&run->optics, run->has_color, row); return;
+    default: mns_display_row(run->frame, &run->range, row, curvature); return;
+    }
+    if (run->noise) {
+        kernels->grey(&run->optics, row);
     }
 }
 
@@ -274,19 +330,20 @@ static void shade_row(struct shade_run *run, struct shade_row *row)
 {
     const struct shade_optics *optics = &run->optics;
     const float *depth = run->surface->data + row->y * run->surface->stride + row->x;
-    const float *scene_depth = optics->scene_depth ? optics->scene_depth + row->y * optics->scene_depth_stride + row->x : NULL;
     const struct mns_image *beauty = mns_frame_output(run->frame, MNS_LAYER_BEAUTY);
     float curvature[SHADE_SPAN];
     int display = run->frame->params.display;
     bool diagram = mns_display_is_diagram(display);
-    int found = run->cpu->kernels->shade->normals(optics, depth, run->surface->stride, scene_depth, row->x, row->y, row->count, row->nx,
-                                                  row->ny, row->nz);
+    int found = row_normals(run, row, depth);
     if (found > 0 || run->foam || run->needs_layers) {
         sample_thickness(run, row);
     }
     bool has_foam = sample_foam(run, row);
     if (found > 0) {
         memcpy(row->depth, depth, sizeof(float) * (size_t)row->count);
+        if (run->noise) {
+            cover_with_grey(run, row);
+        }
         if (run->needs_curvature) {
             row_curvature(run, row, curvature);
         }
@@ -344,6 +401,10 @@ mns_result mns_cpu_shade(struct backend *cpu, const struct frame *frame)
     struct shade_run run = {.cpu = cpu, .frame = frame, .gain = exp2f(frame->params.exposure)};
     run.foam = cpu->foam && cpu->foam->shows ? cpu->foam : NULL;
     run.surface = display == MNS_DISPLAY_SPHERES ? &cpu->depth_raw.plane : &cpu->smoothed->plane;
+    if (frame->params.foam == MNS_FOAM_NOISE && display != MNS_DISPLAY_SPHERES) {
+        run.noise = &cpu->noise;
+        run.noise_height = frame->params.noise_height * frame->splat_radius;
+    }
     resolve_optics(&run.optics, cpu, frame);
     run.has_color = cpu->blurred.has_color;
     run.needs_color = run.has_color;

@@ -31,6 +31,7 @@ struct shade_optics {
     float scatter_light[3];                /* radiance of deep fluid over the particles' colour */
     float reflection, specular, shininess; /* specular: over the sun's light on a white surface */
     float opaque[3];                       /* colour of the surface where the fluid is opaque */
+    float grey[3];                         /* colour of grey foam */
 
     float foam_front[3], foam_back[3];            /* radiance of thick and of thin front foam ([BSW10]: c_ff, c_fb) */
     float foam_extinction, foam_range_extinction; /* 1/metre, of T_f and of T_ff */
@@ -55,6 +56,8 @@ struct shade_row {
     float foam_depth[SHADE_SPAN], foam[SHADE_SPAN], foam_range[SHADE_SPAN],
         before[SHADE_SPAN];                       /* its depth, T_f, T_ff; T_wf of the water */
     float veil[SHADE_SPAN], thin[SHADE_SPAN];     /* parts that come through all foam, and through the front foam */
+    float veil[SHADE_SPAN];                       /* part that comes through the foam */
+    float grey[SHADE_SPAN];                       /* part that grey foam covers */
     float look_x[SHADE_SPAN], look_y[SHADE_SPAN]; /* where the scene is looked up: pixel centres at whole numbers, inside the picture */
     float behind[4 * SHADE_SPAN];                 /* what was found there: [count][4] */
     float out[4][SHADE_SPAN];                     /* linear, straight alpha; a plane per channel */
@@ -116,6 +119,9 @@ struct shade_kernels {
 
     /* out: an opaque surface in the same light, the pixel's own scene where no fluid is. As water. */
     void (*opaque)(const struct shade_optics *optics, bool has_color, struct shade_row *row);
+
+    /* out: grey foam over the fluid that is there, in the light of a white surface ([LGS09] 3.5). As water. */
+    void (*grey)(const struct shade_optics *optics, struct shade_row *row);
 
     /* planes: the channels of count pixels, at most SHADE_SPAN, of a picture [count][4]. */
     void (*split)(const float *rgba, int count, float planes[4][SHADE_SPAN]);

@@ -84,9 +84,11 @@ SIMD vi vf_nearest(vf a) { return _mm512_cvtps_epi32(a); }
 SIMD vf vi_float(vi a) { return _mm512_cvtepi32_ps(a); }
 SIMD vi vf_bits(vf a) { return _mm512_castps_si512(a); }
 SIMD vf vi_as_float(vi a) { return _mm512_castsi512_ps(a); }
+SIMD float vf_first(vf a) { return _mm512_cvtss_f32(a); } /* lane 0 */
 SIMD vf vf_gather(const float *base, vi index) { return _mm512_i32gather_ps(index, base, 4); }
-SIMD vf vf_scale2(vf a, vf n) { return _mm512_scalef_ps(a, n); } /* a * 2^n, n whole */
-SIMD void vf_lanes_apart(vf p[4])                                /* pixels 0-3, 4-7, ... in four vectors -> 0 4 8 12, 1 5 9 13, ... */
+SIMD vf vf_permute(vf a, vi index) { return _mm512_permutexvar_ps(index, a); } /* lane index[i] of a, index within [0, VLEN) */
+SIMD vf vf_scale2(vf a, vf n) { return _mm512_scalef_ps(a, n); }               /* a * 2^n, n whole */
+SIMD void vf_lanes_apart(vf p[4]) /* pixels 0-3, 4-7, ... in four vectors -> 0 4 8 12, 1 5 9 13, ... */
 {
     vf a = _mm512_shuffle_f32x4(p[0], p[1], 0x88), b = _mm512_shuffle_f32x4(p[0], p[1], 0xdd);
     vf c = _mm512_shuffle_f32x4(p[2], p[3], 0x88), d = _mm512_shuffle_f32x4(p[2], p[3], 0xdd);
@@ -204,7 +206,9 @@ SIMD vi vf_nearest(vf a) { return _mm256_cvtps_epi32(a); }
 SIMD vf vi_float(vi a) { return _mm256_cvtepi32_ps(a); }
 SIMD vi vf_bits(vf a) { return _mm256_castps_si256(a); }
 SIMD vf vi_as_float(vi a) { return _mm256_castsi256_ps(a); }
+SIMD float vf_first(vf a) { return _mm256_cvtss_f32(a); }
 SIMD vf vf_gather(const float *base, vi index) { return _mm256_i32gather_ps(base, index, 4); }
+SIMD vf vf_permute(vf a, vi index) { return _mm256_permutevar8x32_ps(a, index); }
 SIMD vf vf_scale2(vf a, vf n) { return _mm256_mul_ps(a, vi_as_float(vi_shl(vi_add(vf_nearest(n), vi_set1(127)), 23))); }
 
 SIMD void vf_lanes_apart(vf p[4]) /* pixels 0 1, 2 3, 4 5, 6 7 in four vectors -> 0 4, 1 5, 2 6, 3 7 */
@@ -341,6 +345,7 @@ SIMD vi vf_nearest(vf a) { return _mm_cvtps_epi32(a); }
 SIMD vf vi_float(vi a) { return _mm_cvtepi32_ps(a); }
 SIMD vi vf_bits(vf a) { return _mm_castps_si128(a); }
 SIMD vf vi_as_float(vi a) { return _mm_castsi128_ps(a); }
+SIMD float vf_first(vf a) { return _mm_cvtss_f32(a); }
 SIMD vf vf_round(vf a) /* whole already from 2^23 on */
 {
     return vf_select(vf_lt(vf_abs(a), vf_set1(8388608.0f)), vi_float(vf_nearest(a)), a);
@@ -362,6 +367,12 @@ SIMD vf vf_gather(const float *base, vi index)
     int32_t i[4] __attribute__((aligned(16)));
     vi_store(i, index);
     return _mm_setr_ps(base[i[0]], base[i[1]], base[i[2]], base[i[3]]);
+}
+SIMD vf vf_permute(vf a, vi index)
+{
+    float lanes[4] __attribute__((aligned(16)));
+    vf_store(lanes, a);
+    return vf_gather(lanes, index);
 }
 SIMD vf vf_scale2(vf a, vf n) { return _mm_mul_ps(a, vi_as_float(vi_shl(vi_add(vf_nearest(n), vi_set1(127)), 23))); }
 
@@ -468,11 +479,18 @@ SIMD vi vf_nearest(vf a) { return vcvtnq_s32_f32(a); }
 SIMD vf vi_float(vi a) { return vcvtq_f32_s32(a); }
 SIMD vi vf_bits(vf a) { return vreinterpretq_s32_f32(a); }
 SIMD vf vi_as_float(vi a) { return vreinterpretq_f32_s32(a); }
+SIMD float vf_first(vf a) { return vgetq_lane_f32(a, 0); }
 SIMD vf vf_gather(const float *base, vi index)
 {
     int32_t i[4];
     vi_store(i, index);
     return (vf){base[i[0]], base[i[1]], base[i[2]], base[i[3]]};
+}
+SIMD vf vf_permute(vf a, vi index)
+{
+    float lanes[4];
+    vf_store(lanes, a);
+    return vf_gather(lanes, index);
 }
 SIMD vf vf_scale2(vf a, vf n) { return a * vi_as_float(vi_shl(vi_add(vf_nearest(n), vi_set1(127)), 23)); }
 

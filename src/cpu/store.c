@@ -8,7 +8,7 @@
 /* Radius of a diffuse particle that brings none, over the fluid's: FoamGenerator and its like sow many for each particle of the fluid. */
 static const float DIFFUSE_RADIUS = 0.5f;
 
-enum { ARRAYS = 22, BOXES = 9 };
+enum { ARRAYS = 23, BOXES = 9 };
 
 struct fill {
     struct particle_store *store;
@@ -22,17 +22,29 @@ static size_t padded_chunks(size_t chunks) { return (chunks + 15) / 16 * 16; }
 
 static void list_arrays(struct particle_store *store, float **out[ARRAYS])
 {
-    float **const arrays[ARRAYS] = {&store->x,           &store->y,
-                                    &store->z,           &store->radius,
-                                    &store->factor,      &store->mass,
-                                    &store->color[0],    &store->color[1],
-                                    &store->color[2],    &store->age,
-                                    &store->opacity,     &store->velocity[0],
-                                    &store->velocity[1], &store->velocity[2],
-                                    &store->seed,        &store->shape[0],
-                                    &store->shape[1],    &store->shape[2],
-                                    &store->shape[3],    &store->shape[4],
-                                    &store->shape[5],    NULL};
+    float **const arrays[ARRAYS] = {&store->x,
+                                    &store->y,
+                                    &store->z,
+                                    &store->radius,
+                                    &store->factor,
+                                    &store->mass,
+                                    &store->color[0],
+                                    &store->color[1],
+                                    &store->color[2],
+                                    &store->age,
+                                    &store->opacity,
+                                    &store->velocity[0],
+                                    &store->velocity[1],
+                                    &store->velocity[2],
+                                    &store->seed,
+                                    &store->shape[0],
+                                    &store->shape[1],
+                                    &store->shape[2],
+                                    &store->shape[3],
+                                    &store->shape[4],
+                                    &store->shape[5],
+                                    &store->noise,
+                                    NULL};
     memcpy(out, arrays, sizeof(arrays));
 }
 
@@ -77,13 +89,14 @@ static void list_wanted(const struct particle_store *store, const struct store_s
                                  velocity,
                                  velocity,
                                  velocity,
-                                 !water,
+                                 true,
                                  shape,
                                  shape,
                                  shape,
                                  shape,
                                  shape,
-                                 shape};
+                                 shape,
+                                 water && in->noise.data};
     memcpy(out, wanted, sizeof(wanted));
 }
 
@@ -181,8 +194,8 @@ static void gather_rest(const struct fill *fill, size_t place, size_t i)
         double value = in->velocity.data ? mns_attr_get(&in->velocity, in->velocity.type, 3, i, k) : 0;
         store->velocity[k][place] = fabs(value) < 1e15 ? (float)value : 0; /* NaN too */
     }
-    if (store->seed) {
-        store->seed[place] = seed_of(in, i);
+    if (store->noise) {
+        store->noise[place] = unit_value(&in->noise, i, 1);
     }
     for (int k = 0; k < 6 && store->shape[k]; k++) {
         store->shape[k][place] = (float)mns_attr_get(&in->shape, in->shape.type, 6, i, k);
@@ -192,7 +205,7 @@ static void gather_rest(const struct fill *fill, size_t place, size_t i)
 /* Whether gather_rest has anything to do: of most sets it has not. */
 static bool has_rest(const struct particle_store *store)
 {
-    return store->radius || store->factor || store->mass || store->color[0] || store->shape[0];
+    return store->radius || store->factor || store->mass || store->color[0] || store->shape[0] || store->noise;
 }
 
 /* Copies one chunk's particles to their places; what of the chunk was there before, or is past the end, stays. */
@@ -214,6 +227,7 @@ static void gather_chunk(const struct fill *fill, size_t chunk, enum mns_type ty
         store->x[i] = p[0];
         store->y[i] = p[1];
         store->z[i] = p[2];
+        store->seed[i] = seed_of(in, index);
         if (rest) {
             gather_rest(fill, i, index);
         }

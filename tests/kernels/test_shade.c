@@ -54,6 +54,7 @@ static struct shade_optics optics_of(int mode, float scale)
                              .specular = 1,
                              .shininess = 300,
                              .opaque = {0.1f, 0.3f, 0.6f},
+                             .grey = {0.7f, 0.75f, 0.8f},
                              .foam_front = {0.9f, 0.9f, 1},
                              .foam_back = {0.2f, 0.3f, 0.3f},
                              .foam_extinction = 3 / scale,
@@ -182,6 +183,12 @@ static void compare_colors(const struct shade_optics *o, const struct shade_kern
     compare_out(&got, &expected);
     scalar->opaque(o, has_color, &expected);
     vector->opaque(o, has_color, &got);
+    compare_out(&got, &expected);
+    for (int i = 0; i < row->count; i++) {
+        expected.grey[i] = got.grey[i] = i % 3 == 0 ? 0 : uniform(0, 1);
+    }
+    scalar->grey(o, &expected);
+    vector->grey(o, &got);
     compare_out(&got, &expected);
 }
 

@@ -338,6 +338,15 @@ static void water(const struct shade_optics *o, bool has_color, struct shade_row
 
 static void layered(const struct shade_optics *o, bool has_color, struct shade_row *row) { shade_water(o, has_color, true, row); }
 
+/* The light that a white surface scatters back, of the sun and of the sky about it. */
+static void white_light(const struct shade_optics *o, const float n[3], float out[3])
+{
+    float sun = fmaxf(dot(n, o->sky.sun), 0), up = 0.5f + 0.5f * dot(n, o->sky.up);
+    for (int c = 0; c < 3; c++) {
+        out[c] = sun * o->sky.sun_light[c] + o->sky.ground[c] * 0.5f + up * (o->sky.sky_light[c] - o->sky.ground[c] * 0.5f);
+    }
+}
+
 static void opaque(const struct shade_optics *o, bool has_color, struct shade_row *row)
 {
     for (int i = 0; i < row->count; i++) {
@@ -345,15 +354,31 @@ static void opaque(const struct shade_optics *o, bool has_color, struct shade_ro
         if (!meet_surface(o, row, i, &at)) {
             continue;
         }
-        float out[4], shine = fresnel(o, at.cosine) * o->reflection;
-        float sun = fmaxf(dot(at.n, o->sky.sun), 0), up = 0.5f + 0.5f * dot(at.n, o->sky.up);
+        float out[4], light[3], shine = fresnel(o, at.cosine) * o->reflection;
+        white_light(o, at.n, light);
         for (int c = 0; c < 3; c++) {
             float albedo = has_color ? clamp(row->color[c][i], 0, 1) : o->opaque[c];
-            float light = sun * o->sky.sun_light[c] + o->sky.ground[c] * 0.5f + up * (o->sky.sky_light[c] - o->sky.ground[c] * 0.5f);
-            out[c] = albedo * light + shine * at.mirrored[c] + at.glint * o->sky.sun_light[c];
+            out[c] = albedo * light[c] + shine * at.mirrored[c] + at.glint * o->sky.sun_light[c];
         }
         out[3] = 1;
         put(row, i, out);
+    }
+}
+
+static void grey(const struct shade_optics *o, struct shade_row *row)
+{
+    for (int i = 0; i < row->count; i++) {
+        const float n[3] = {row->nx[i], row->ny[i], row->nz[i]};
+        float part = n[2] != 0 ? row->grey[i] : 0, rest = (1 - part) * row->out[3][i];
+        if (!(part > 0)) {
+            continue;
+        }
+        float light[3];
+        white_light(o, n, light);
+        for (int c = 0; c < 3; c++) {
+            row->out[c][i] = (part * o->grey[c] * light[c] + rest * row->out[c][i]) / (part + rest);
+        }
+        row->out[3][i] = part + rest;
     }
 }
 
@@ -397,5 +422,6 @@ const struct shade_kernels mns_shade_kernels_scalar = {.normals = normals,
                                                        .veil = veil,
                                                        .layered = layered,
                                                        .opaque = opaque,
+                                                       .grey = grey,
                                                        .split = split,
                                                        .encode = encode};

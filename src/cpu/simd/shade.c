@@ -419,27 +419,55 @@ static void water(const struct shade_optics *o, bool has_color, struct shade_row
 
 static void layered(const struct shade_optics *o, bool has_color, struct shade_row *row) { shade_water(o, has_color, true, row); }
 
-static void opaque(const struct shade_optics *o, bool has_color, struct shade_row *row)
+/* The light that a white surface scatters back, of the sun and of the sky about it. */
+SIMD void white_light(const struct shade_optics *o, struct v3 n, vf out[3])
 {
     const struct sky *sky = &o->sky;
+    vf half = vf_set1(0.5f), sun = vf_max(v3_dot(n, v3_set(sky->sun)), vf_zero()), up = vf_fma(half, v3_dot(n, v3_set(sky->up)), half);
+    for (int c = 0; c < 3; c++) {
+        vf below = vf_set1(0.5f * sky->ground[c]), ambient = vf_fma(up, vf_set1(sky->sky_light[c]) - below, below);
+        out[c] = vf_fma(sun, vf_set1(sky->sun_light[c]), ambient);
+    }
+}
+
+static void opaque(const struct shade_optics *o, bool has_color, struct shade_row *row)
+{
     for (int i = 0; i < row->count; i += VLEN) {
         struct v3 n = row_normals(row, i), v = rays(o, row->x + i, row->y);
         vm fluid = vm_and(vf_lt(vf_zero(), v3_dot(n, n)), vm_first(row->count - i));
-        vf cosine = vf_saturate(vf_neg(v3_dot(n, v))), shine = fresnel(o, cosine) * vf_set1(o->reflection), mirrored[3], out[4];
+        vf cosine = vf_saturate(vf_neg(v3_dot(n, v))), shine = fresnel(o, cosine) * vf_set1(o->reflection), mirrored[3], light[3], out[4];
         reflected(o, n, v, cosine, mirrored);
-        vf glint = highlight(o, n, v, cosine), sun = vf_max(v3_dot(n, v3_set(sky->sun)), vf_zero());
-        vf half = vf_set1(0.5f), up = vf_fma(half, v3_dot(n, v3_set(sky->up)), half);
+        white_light(o, n, light);
+        vf glint = highlight(o, n, v, cosine);
         for (int c = 0; c < 3; c++) {
             vf albedo = vf_set1(o->opaque[c]);
             if (has_color) {
                 albedo = vf_saturate(vf_loadu(row->color[c] + i));
             }
-            vf below = vf_set1(0.5f * sky->ground[c]), ambient = vf_fma(up, vf_set1(sky->sky_light[c]) - below, below);
-            vf light = vf_fma(sun, vf_set1(sky->sun_light[c]), ambient);
-            out[c] = vf_fma(albedo, light, vf_fma(shine, mirrored[c], glint * vf_set1(sky->sun_light[c])));
+            out[c] = vf_fma(albedo, light[c], vf_fma(shine, mirrored[c], glint * vf_set1(o->sky.sun_light[c])));
         }
         out[3] = vf_set1(1.0f);
         store_over(o, row, i, fluid, out);
+    }
+}
+
+static void grey(const struct shade_optics *o, struct shade_row *row)
+{
+    for (int i = 0; i < row->count; i += VLEN) {
+        struct v3 n = row_normals(row, i);
+        vf part = vf_keep(vm_and(vf_lt(vf_zero(), v3_dot(n, n)), vm_first(row->count - i)), vf_loadu(row->grey + i));
+        vm some = vf_gt(part, vf_zero());
+        if (!vm_any(some)) {
+            continue;
+        }
+        vf rest = (vf_set1(1) - part) * vf_loadu(row->out[3] + i), covers = part + rest, light[3];
+        vf scale = vf_rcp(vf_select(some, covers, vf_set1(1)));
+        white_light(o, n, light);
+        for (int c = 0; c < 3; c++) {
+            vf out = vf_loadu(row->out[c] + i), mixed = vf_fma(part * vf_set1(o->grey[c]), light[c], rest * out) * scale;
+            vf_storeu(row->out[c] + i, vf_select(some, mixed, out));
+        }
+        vf_storeu(row->out[3] + i, covers);
     }
 }
 
@@ -536,5 +564,6 @@ const struct shade_kernels SIMD_NAME(mns_shade_kernels) = {.normals = normals,
                                                            .veil = veil,
                                                            .layered = layered,
                                                            .opaque = opaque,
+                                                           .grey = grey,
                                                            .split = split,
                                                            .encode = encode};
