@@ -126,15 +126,15 @@ static const struct mns_param table[] = {
      .help = "of the scene, in its own unit of length; V = sqrt(gravity L) is the fluid's own speed, V / gravity its own time"},
     {FLOAT(surface_tension, 1e-12, 1e12, 0), AUTO, .unit = "N/m", .group = "foam",
      .help = "sigma of the Weber number ([BSW10] eq. 5); auto: such that it is 1 at the speed V, whatever the size of scene and particles"},
-    {FLOAT(foam_weber_low, 0, 1e12, 0.5), .unit = "", .group = "foam", .help = "Weber number from which on there is some foam"},
-    {FLOAT(foam_weber_high, 0, 1e12, 1), .unit = "", .group = "foam",
+    {FLOAT(foam_weber_low, 0, 1e12, 0.6), .unit = "", .group = "foam", .help = "Weber number from which on there is some foam"},
+    {FLOAT(foam_weber_high, 0, 1e12, 1.5), .unit = "", .group = "foam",
      .help = "Weber number from which on a particle is foam and no water; at least foam_weber_low"},
     {FLOAT(foam_air, 0, 1, 0.1), .unit = "", .group = "foam",
      .help =
          "part of a particle's surroundings that must be air (by its density) for it to foam in full, a fifth for it to foam at all; 0: "
          "anywhere, as in [BSW10]"},
     {FLOAT(foam_lifetime, 0, 1e9, -1), AUTO, .unit = "s", .group = "foam",
-     .help = "how long foam lasts after its cause, its fading included; auto: 4 V / gravity, times foam_persistence"},
+     .help = "how long foam lasts after its cause, its fading included; auto: 3 V / gravity, times foam_persistence"},
     {FLOAT(foam_persistence, 0.001, 1000, 1), .unit = "", .group = "foam",
      .help = "factor on foam_lifetime, foam_fade_out and noise_cooldown where they are auto"},
     {FLOAT(foam_fade_in, 0, 1e9, -1), AUTO, .unit = "s", .group = "foam",

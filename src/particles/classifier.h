@@ -18,7 +18,6 @@ enum output { OUT_WATER, OUT_FOAM, OUT_AGE, OUT_SPRAY, OUT_NOISE, OUT_DENSITY, O
 struct tally {
     size_t foam, spray, fast;
     double foam_volume;
-    float speed2; /* m^2/s^2: the largest */
 };
 
 struct mns_classifier {

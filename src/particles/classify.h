@@ -22,9 +22,9 @@ enum remembered {
     KEEP_COUNT
 };
 
-/* value |-> 0 up to low, 1 from high on, linear between. */
+/* 0 up to low, 1 from low + 1 / scale on, linear between. */
 struct ramp {
-    float low, high, scale; /* scale: 1 / (high - low); 0 where they are equal */
+    float low, scale;
 };
 
 /* The thresholds of a step, resolved. */
@@ -37,7 +37,6 @@ struct rule {
     float life_scale;                                /* lifetime / fade-out */
     float tau2;                                      /* m^2/s^2: square of the change of velocity that heats */
     float calm, calm_scale;                          /* noise of a calm particle: calm * min(1, We * calm_scale) */
-    bool everywhere;                                 /* no air is asked for */
 };
 
 enum { CLASSIFY_BLOCK = 256 }; /* particles whose arrays fit the nearest cache */

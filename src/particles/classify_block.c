@@ -9,103 +9,136 @@
 static const float AIR_LEAST = 0.2f;
 
 /* Defaults in the fluid's own time V / gravity = sqrt(L / gravity), in which a drop falls half of L. */
-static const double LIFETIME = 4, FADE_IN = 0.5, FADE_OUT = 1.5, COOLDOWN = 2;
+static const double LIFETIME = 3, FADE_IN = 0.5, FADE_OUT = 1.5, COOLDOWN = 2;
 
 /* noise_tau: a jolt, in V, on top of what falling freely gains. */
 static const double JOLT = 0.15;
 
+/* Turns what is above 0 into 1 and more, whatever it is. */
+static const float HUGE_FACTOR = 1e30f;
+
+/* With one NaN the second one. Loops of these alone become vectors; branches would not. */
 static inline float least(float a, float b) { return a < b ? a : b; }
 static inline float most(float a, float b) { return a > b ? a : b; }
 
-static inline float ramp_at(const struct ramp *ramp, float value)
-{
-    float x = (value - ramp->low) * ramp->scale;
-    x = least(most(x, 0), 1);           /* NaN: 0 */
-    return value >= ramp->high ? 1 : x; /* where low and high are equal */
-}
+static inline float ramp_at(struct ramp ramp, float value) { return least(most((value - ramp.low) * ramp.scale, 0), 1); }
 
 /* Within 1e-6 of the root for x in [0, 1]; exact at 0 and 1. */
 static inline float cube_root(float x)
 {
+    float positive = x + 1e-12f; /* powers of 0's first guess would be denormal, which is slow */
     int32_t bits;
-    memcpy(&bits, &x, sizeof(bits));
-    bits = (int32_t)((float)bits * (1.0f / 3)) + 709958130; /* a third of the exponent: within 4 % */
+    memcpy(&bits, &positive, sizeof(bits));
+    bits = (int32_t)((float)bits * (1.0f / 3)) + 710235456; /* a third of the exponent: within 6 %, and 1 of 1 */
     float y;
     memcpy(&y, &bits, sizeof(y));
     for (int i = 0; i < 2; i++) { /* Halley: the error to the third power */
         float cube = y * y * y;
-        y = y * (cube + 2 * x) / (2 * cube + x);
+        y = y * ((cube + 2 * positive) / (2 * cube + positive));
     }
-    return x > 1e-9f ? x < 1 ? y : 1 : 0;
+    return least(y, 1) * least(x * 1e12f, 1);
 }
 
-/* Weber number -> cause of foam, and what is remembered of it. */
-static void age_foam(const struct rule *rule, const struct classify_block *block, float *restrict weber)
+/* The loops. Each array is its own: `restrict` in the parameters is what lets a compiler make vectors of them. */
+
+/* [BSW10] eq. 5, and what of it makes foam. */
+static void find_cause(const struct rule *rule, size_t count, const float *restrict x, const float *restrict y, const float *restrict z,
+                       const float *restrict density, float *restrict weber, float *restrict cause)
 {
-    const float *restrict vx = block->velocity[0], *restrict vy = block->velocity[1], *restrict vz = block->velocity[2];
-    const float *restrict density = block->density, *restrict strength = block->before[KEEP_STRENGTH];
-    const float *restrict life = block->before[KEEP_LIFE], *restrict youth = block->before[KEEP_YOUTH];
-    const float *restrict foam = block->before[KEEP_FOAM];
-    float *restrict new_strength = block->after[KEEP_STRENGTH], *restrict new_life = block->after[KEEP_LIFE];
-    float *restrict new_youth = block->after[KEEP_YOUTH], *restrict new_foam = block->after[KEEP_FOAM];
-    for (size_t i = 0; i < block->count; i++) {
-        float we = rule->weber * density[i] * (vx[i] * vx[i] + vy[i] * vy[i] + vz[i] * vz[i]);
-        we = we >= 0 ? we : 0; /* the velocity is unknown */
-        float cause = ramp_at(&rule->foam, we) * (rule->everywhere ? 1 : ramp_at(&rule->air, 1 - density[i]));
-        float s = most(cause, strength[i] - rule->strength_fall);
-        float l = cause > 0 ? 1 : most(life[i] - rule->life_fall, 0);
+    const struct rule on = *rule;
+    for (size_t i = 0; i < count; i++) {
+        float we = most(on.weber * density[i] * (x[i] * x[i] + y[i] * y[i] + z[i] * z[i]), 0); /* NaN where the velocity is unknown: 0 */
         weber[i] = we;
-        new_strength[i] = s;
-        new_life[i] = l;
-        new_youth[i] = least(l, youth[i] + rule->rise);
-        new_foam[i] = least(least(s, l * rule->life_scale), foam[i] + rule->rise);
+        cause[i] = ramp_at(on.foam, we) * ramp_at(on.air, 1 - density[i]);
     }
 }
 
-static void cool_noise(const struct rule *rule, const struct classify_block *block, const float *restrict weber)
+static void outlast(const struct rule *rule, size_t count, const float *restrict cause, const float *restrict strength,
+                    const float *restrict life, float *restrict new_strength, float *restrict new_life)
 {
-    const float *restrict vx = block->velocity[0], *restrict vy = block->velocity[1], *restrict vz = block->velocity[2];
-    const float *restrict ux = block->before[KEEP_X], *restrict uy = block->before[KEEP_Y], *restrict uz = block->before[KEEP_Z];
-    const float *restrict heat = block->before[KEEP_HEAT], *restrict noise = block->before[KEEP_NOISE];
-    float *restrict new_heat = block->after[KEEP_HEAT], *restrict new_noise = block->after[KEEP_NOISE];
-    for (size_t i = 0; i < block->count; i++) {
-        float dx = vx[i] - ux[i], dy = vy[i] - uy[i], dz = vz[i] - uz[i];
-        float h = dx * dx + dy * dy + dz * dz > rule->tau2 ? 1 : most(heat[i] - rule->heat_fall, 0); /* [LGS09] eq. 12 */
-        float calm = rule->calm * least(weber[i] * rule->calm_scale, 1);
+    const struct rule on = *rule;
+    for (size_t i = 0; i < count; i++) {
+        new_strength[i] = most(cause[i], strength[i] - on.strength_fall);
+        new_life[i] = least(most(life[i] - on.life_fall, cause[i] * HUGE_FACTOR), 1); /* 1 where there is a cause */
+    }
+}
+
+static void grow(const struct rule *rule, size_t count, const float *restrict strength, const float *restrict life,
+                 const float *restrict youth, const float *restrict foam, float *restrict new_youth, float *restrict new_foam)
+{
+    const struct rule on = *rule;
+    for (size_t i = 0; i < count; i++) {
+        new_youth[i] = least(life[i], youth[i] + on.rise);
+        new_foam[i] = least(least(strength[i], life[i] * on.life_scale), foam[i] + on.rise);
+    }
+}
+
+/* [LGS09] eq. 12: above 0 where the velocity changed by more than tau; NaN where one of the two is unknown. */
+static void find_jolt(const struct rule *rule, size_t count, const float *const velocity[3], const float *const before[3],
+                      float *restrict jolt)
+{
+    for (size_t i = 0; i < count; i++) {
+        jolt[i] = -rule->tau2;
+    }
+    for (int k = 0; k < 3; k++) {
+        const float *v = velocity[k], *u = before[k];
+        for (size_t i = 0; i < count; i++) {
+            jolt[i] += (v[i] - u[i]) * (v[i] - u[i]);
+        }
+    }
+}
+
+static void cool(const struct rule *rule, size_t count, const float *restrict jolt, const float *restrict weber, const float *restrict heat,
+                 const float *restrict noise, float *restrict new_heat, float *restrict new_noise)
+{
+    const struct rule on = *rule;
+    for (size_t i = 0; i < count; i++) {
+        float h = least(most(most(jolt[i] * HUGE_FACTOR, heat[i] - on.heat_fall), 0), 1);
+        float calm = on.calm * least(weber[i] * on.calm_scale, 1);
         new_heat[i] = h;
-        new_noise[i] = least(h + (1 - h) * calm, noise[i] + rule->rise);
+        new_noise[i] = least(h + (1 - h) * calm, noise[i] + on.rise);
     }
 }
 
 /* What was one particle is parted by volume: spray, foam^3 and water^3 add up to 1. */
-static void share(const struct rule *rule, const struct classify_block *block)
+static void share(const struct rule *rule, size_t count, const float *restrict density, const float *restrict level, float *restrict spray,
+                  float *restrict foam, float *restrict water)
 {
-    const float *restrict density = block->density, *restrict level = block->after[KEEP_FOAM];
-    const float *restrict youth = block->after[KEEP_YOUTH], *restrict amplitude = block->after[KEEP_NOISE];
-    float *restrict water = block->water, *restrict foam = block->foam, *restrict age = block->foam_age;
-    float *restrict spray = block->spray, *restrict noise = block->noise;
-    for (size_t i = 0; i < block->count; i++) {
-        float rest = ramp_at(&rule->water, density[i]), f = level[i];
+    const struct rule on = *rule;
+    for (size_t i = 0; i < count; i++) {
+        float rest = ramp_at(on.water, density[i]), f = level[i];
         spray[i] = 1 - rest;
         foam[i] = f * cube_root(rest);
         water[i] = cube_root(rest * (1 - f * f * f));
-        age[i] = 1 - youth[i];
-        noise[i] = amplitude[i];
     }
 }
 
 void mns_classify_block(const struct rule *rule, const struct classify_block *block)
 {
-    float weber[CLASSIFY_BLOCK];
-    age_foam(rule, block, weber);
-    cool_noise(rule, block, weber);
-    share(rule, block);
+    float weber[CLASSIFY_BLOCK], cause[CLASSIFY_BLOCK], jolt[CLASSIFY_BLOCK];
+    const size_t count = block->count;
+    const float *const *was = block->before;
+    float *const *is = block->after;
+    find_cause(rule, count, block->velocity[0], block->velocity[1], block->velocity[2], block->density, weber, cause);
+    outlast(rule, count, cause, was[KEEP_STRENGTH], was[KEEP_LIFE], is[KEEP_STRENGTH], is[KEEP_LIFE]);
+    grow(rule, count, is[KEEP_STRENGTH], is[KEEP_LIFE], was[KEEP_YOUTH], was[KEEP_FOAM], is[KEEP_YOUTH], is[KEEP_FOAM]);
+    find_jolt(rule, count, block->velocity, &was[KEEP_X], jolt);
+    cool(rule, count, jolt, weber, was[KEEP_HEAT], was[KEEP_NOISE], is[KEEP_HEAT], is[KEEP_NOISE]);
+    share(rule, count, block->density, is[KEEP_FOAM], block->spray, block->foam, block->water);
+    for (size_t i = 0; i < count; i++) {
+        block->foam_age[i] = 1 - is[KEEP_YOUTH][i];
+        block->noise[i] = is[KEEP_NOISE][i];
+    }
 }
 
+/* low and high may be equal: then it is as steep as floats allow, and 1 at high. */
 static struct ramp ramp_of(double low, double high)
 {
-    return (struct ramp){.low = (float)low, .high = (float)high, .scale = high > low ? (float)(1 / (high - low)) : 0};
+    low = fmin(low, high - fmax(1e-6 * high, 1e-30));
+    return (struct ramp){.low = (float)low, .scale = (float)(1 / (high - low))};
 }
+
+static const struct ramp NEVER = {.low = 0, .scale = 0}, ALWAYS = {.low = -1e30f, .scale = 1};
 
 /* What falls by in a step of what lasts so long. */
 static float fall(double step, double lasts) { return step < lasts ? (float)(step / lasts) : 1; }
@@ -132,8 +165,8 @@ void mns_classify_rule(struct rule *rule, const struct mns_params *params, doubl
     *rule = (struct rule){
         .weber = (float)(params->surface_tension > 0 ? rest_density * 2 * radius / (double)params->surface_tension : 1 / energy),
         .foam = params->foam == MNS_FOAM_LAYERED ? ramp_of((double)params->foam_weber_low, (double)params->foam_weber_high)
-                                                 : ramp_of(INFINITY, INFINITY), /* noise knows no foam particles */
-        .air = ramp_of((double)(AIR_LEAST * params->foam_air), (double)params->foam_air),
+                                                 : NEVER, /* noise knows no foam particles */
+        .air = params->foam_air > 0 ? ramp_of((double)(AIR_LEAST * params->foam_air), (double)params->foam_air) : ALWAYS,
         .water = ramp_of((double)params->spray_low, (double)params->spray_high),
         .strength_fall = fall(step, 2 * times.lifetime),
         .life_fall = fall(step, times.lifetime),
@@ -143,6 +176,5 @@ void mns_classify_rule(struct rule *rule, const struct mns_params *params, doubl
         .tau2 = (float)fmin(tau * tau, 1e30),
         .calm = params->noise_calm,
         .calm_scale = params->foam_weber_high > 0 ? 1 / params->foam_weber_high : 1e30f,
-        .everywhere = params->foam_air <= 0,
     };
 }

@@ -7,7 +7,8 @@
 
 #include <math.h>
 
-enum { JOB = 64 * CLASSIFY_BLOCK, PLACES = 4096 };
+/* VOLUME_UNIT: of what a block's volumes are whole numbers, which add up alike in any order and fit 32 bits. */
+enum { JOB = 64 * CLASSIFY_BLOCK, PLACES = 4096, VOLUME_UNIT = 1 << 20 };
 
 /* What a block reads, where it is not in arrays already. */
 struct scratch {
@@ -75,21 +76,34 @@ static void load_velocity(const struct run *run, size_t begin, size_t count, str
     }
 }
 
+static inline void density_loop(const struct mns_attr *density, enum mns_type type, size_t begin, size_t count, struct scratch *scratch)
+{
+    for (size_t i = 0; i < count; i++) {
+        scratch->density[i] = (float)mns_attr_get(density, type, 1, begin + i, 0);
+    }
+}
+
 /* Densities over that of the fluid at rest. Just emitted particles have 0 in some simulators: not known. */
 static void load_density(const struct run *run, size_t begin, size_t count, struct scratch *scratch)
 {
     const struct step *step = run->step;
     const struct mns_attr *density = &step->particles->density;
-    float scale = step->reference > 0 ? (float)(1 / step->reference) : 0, *sums = run->out[OUT_DENSITY];
+    const float scale = step->reference > 0 ? (float)(1 / step->reference) : 0, unit = (float)step->unit;
+    if (step->sums) {
+        memcpy(scratch->density, step->sums + begin, count * sizeof(float));
+    } else if (!density->data) {
+        memset(scratch->density, 0, count * sizeof(float));
+    } else if (density->type == MNS_F32) {
+        density_loop(density, MNS_F32, begin, count, scratch);
+    } else {
+        density_loop(density, density->type, begin, count, scratch);
+    }
     for (size_t i = 0; i < count; i++) {
-        float relative = 0;
-        if (step->sums) {
-            relative = scale * step->sums[begin + i];
-            sums[begin + i] = relative * (float)step->unit;
-        } else if (density->data) {
-            relative = scale * (float)mns_attr_get(density, density->type, 1, begin + i, 0);
-        }
+        float relative = scale * scratch->density[i];
         scratch->density[i] = relative > 0 && relative < INFINITY ? relative : 1;
+    }
+    for (size_t i = 0; step->sums && i < count; i++) {
+        run->out[OUT_DENSITY][begin + i] *= scale * unit;
     }
 }
 
@@ -117,15 +131,19 @@ static void load_before(const struct run *run, size_t begin, size_t count, struc
 
 static void count_block(const struct run *run, const struct classify_block *block, struct tally *tally)
 {
+    const float *vx = block->velocity[0], *vy = block->velocity[1], *vz = block->velocity[2], *foam = block->foam, *spray = block->spray;
+    const float fastest2 = run->fastest2;
+    int foams = 0, sprays = 0, fast = 0, volume = 0;
     for (size_t i = 0; i < block->count; i++) {
-        float foam = block->foam[i], x = block->velocity[0][i], y = block->velocity[1][i], z = block->velocity[2][i];
-        float speed2 = x * x + y * y + z * z;
-        tally->foam += foam > 0;
-        tally->spray += block->spray[i] > 0;
-        tally->foam_volume += (double)(foam * foam * foam);
-        tally->fast += speed2 > run->fastest2;
-        tally->speed2 = speed2 > tally->speed2 ? speed2 : tally->speed2;
+        foams += foam[i] > 0;
+        sprays += spray[i] > 0;
+        fast += vx[i] * vx[i] + vy[i] * vy[i] + vz[i] * vz[i] > fastest2;
+        volume += (int)(foam[i] * foam[i] * foam[i] * VOLUME_UNIT + 0.5f);
     }
+    tally->foam += (size_t)foams;
+    tally->spray += (size_t)sprays;
+    tally->fast += (size_t)fast;
+    tally->foam_volume += (double)volume / VOLUME_UNIT;
 }
 
 static void run_block(const struct run *run, size_t begin, size_t count, struct tally *tally)
@@ -205,15 +223,21 @@ static bool reserve(mns_classifier *self, size_t count, bool places)
     return done && self->tallies;
 }
 
-static void tell_speeds(const struct step *step, float speed2, double scene)
+static void tell_speeds(const struct step *step, const struct run *run, double scene)
 {
     mns_classifier *self = step->self;
+    double fastest2 = 0;
+    for (size_t i = 0; self->stats.fast > 0 && i < step->particles->count; i++) {
+        double x = (double)run->is[KEEP_X][i], y = (double)run->is[KEEP_Y][i], z = (double)run->is[KEEP_Z][i],
+               speed2 = x * x + y * y + z * z;
+        fastest2 = speed2 > fastest2 ? speed2 : fastest2;
+    }
     if (self->stats.fast > 0) {
         mns_classifier_warn(
             self, WARN_FAST,
             "%zu particles would cross the scene (%.3g m) in one frame of %.3g s, the fastest at %.3g m/s: are the velocities in "
             "m/s, and is the time between frames right?",
-            self->stats.fast, scene, step->seconds, sqrt((double)speed2));
+            self->stats.fast, scene, step->seconds, sqrt(fastest2));
     }
 }
 
@@ -234,18 +258,16 @@ mns_result mns_step_run(struct step *step)
     run.old_places = self->has_places ? self->places[self->now] : NULL;
     int jobs = (int)((in->count + JOB - 1) / JOB);
     self->parallel.run(self->parallel.user, run_job, &run, jobs);
-    float speed2 = 0;
     for (int job = 0; job < jobs; job++) {
         const struct tally *tally = &self->tallies[job];
         self->stats.foam += tally->foam;
         self->stats.spray += tally->spray;
         self->stats.fast += tally->fast;
         self->stats.foam_volume += tally->foam_volume;
-        speed2 = tally->speed2 > speed2 ? tally->speed2 : speed2;
     }
     self->derived_velocity = places;
     self->has_places = places;
     self->now = next;
-    tell_speeds(step, speed2, scene);
+    tell_speeds(step, &run, scene);
     return MNS_OK;
 }

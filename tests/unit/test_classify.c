@@ -33,6 +33,9 @@ static struct mns_params hand_params(void)
     params.rest_density = 1000;
     params.radius = 0.01f;
     params.foam_air = 0.09f;
+    params.foam_weber_low = 0.5f;
+    params.foam_weber_high = 1;
+    params.foam_lifetime = 2;
     return params;
 }
 
