@@ -55,8 +55,7 @@ struct shade_row {
     float fresnel[SHADE_SPAN];
     float foam_depth[SHADE_SPAN], foam[SHADE_SPAN], foam_range[SHADE_SPAN],
         before[SHADE_SPAN];                       /* its depth, T_f, T_ff; T_wf of the water */
-    float veil[SHADE_SPAN], thin[SHADE_SPAN];     /* parts that come through all foam, and through the front foam */
-    float veil[SHADE_SPAN];                       /* part that comes through the foam */
+    float veil[SHADE_SPAN], thin[SHADE_SPAN];     /* parts that come through the foam, and that have its back colour */
     float grey[SHADE_SPAN];                       /* part that grey foam covers */
     float look_x[SHADE_SPAN], look_y[SHADE_SPAN]; /* where the scene is looked up: pixel centres at whole numbers, inside the picture */
     float behind[4 * SHADE_SPAN];                 /* what was found there: [count][4] */
@@ -110,7 +109,9 @@ struct shade_kernels {
     /* out: the fluid over what is behind ([LGS09] eq. 13 and 14). 1e-4 of the largest value: the highlight is a high power. */
     void (*water)(const struct shade_optics *optics, bool has_color, struct shade_row *row);
 
-    /* Of a row with foam: veil and thin, from foam and foam_range; before held to the thickness. 2e-6. */
+    /* Of a row with foam: veil and thin, from foam and foam_range; before held to the thickness. thin is how much of the foam that is seen has the back
+     * colour: [BSW10]'s exp(-T_ff) where there is no more than that, else of the front foam and of the rest by what each hides, or a lone sphere before a
+     * cloud would be a grey disc. 4e-6 over what foam hides. */
     void (*veil)(const struct shade_optics *optics, struct shade_row *row);
 
     /* water, of a row with foam ([BSW10] eq. 7 to 10), which shows before and behind the water and without any: light is reflected by whichever is in

@@ -382,7 +382,9 @@ static void test_compositing_by_hand(void **state)
         double share = k == 0 ? 1 : k == 1 ? 0 : 0.5, F = pow((1.333 - 1) / (1.333 + 1), 2), front = (double)row.before[0];
         for (int c = 0; c < 3; c++) {
             double a = (double)o.absorption[c], s = (double)o.scatter[c], b = (double)behind[c], veil = exp(-3 * 0.25);
-            double foam = (double)o.foam_front[c] + ((double)o.foam_back[c] - (double)o.foam_front[c]) * exp(-5 * 0.1);
+            /* The front tenth hides 1 - e^-0.3 of what is behind it, the rest what is left; each has its own share of the back colour. */
+            double hides = 1 - exp(-3 * 0.1), thin = (hides * exp(-5 * 0.1) + (1 - veil - hides) * exp(-5 * 0.15)) / (1 - veil);
+            double foam = (double)o.foam_front[c] + ((double)o.foam_back[c] - (double)o.foam_front[c]) * thin;
             double c_wb = s + (b - s) * exp(-a * (0.8 - front)), c_f = foam + (c_wb - foam) * veil, c_wf = s + (c_f - s) * exp(-a * front);
             double wet = c_wf * (1 - F), dry = foam + ((s + (b - s) * exp(-a * 0.8)) * (1 - F) - foam) * veil; /* the sky here is black */
             assert_true(fabs((double)row.out[c][0] - (dry + share * (wet - dry))) < 1e-5);

@@ -258,8 +258,13 @@ static bool meet_surface(const struct shade_optics *o, struct shade_row *row, in
 static void veil(const struct shade_optics *o, struct shade_row *row)
 {
     for (int i = 0; i < row->count; i++) {
+        float front = row->foam_range[i], rest = fmaxf(row->foam[i] - front, 0), hides[2], thin[2];
         row->veil[i] = expf(-fminf(o->foam_extinction * row->foam[i], 80));
-        row->thin[i] = expf(-fminf(o->foam_range_extinction * row->foam_range[i], 80));
+        hides[0] = 1 - expf(-fminf(o->foam_extinction * front, 80));
+        hides[1] = 1 - row->veil[i] - hides[0];
+        thin[0] = expf(-fminf(o->foam_range_extinction * front, 80));
+        thin[1] = expf(-fminf(o->foam_range_extinction * rest, 80));
+        row->thin[i] = (hides[0] * thin[0] + hides[1] * thin[1]) / fmaxf(1 - row->veil[i], 1e-6f);
         row->before[i] = row->nz[i] != 0 ? clamp(row->before[i], 0, row->thickness[i]) : 0;
     }
 }

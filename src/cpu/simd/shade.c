@@ -308,8 +308,12 @@ static void veil(const struct shade_optics *o, struct shade_row *row)
     for (int i = 0; i < row->count; i += VLEN) {
         vm fluid = vf_lt(vf_zero(), vf_abs(vf_loadu(row->nz + i)));
         vf before = vf_clamp(vf_loadu(row->before + i), vf_zero(), vf_loadu(row->thickness + i));
-        vf_storeu(row->veil + i, through_of(vf_set1(o->foam_extinction), vf_loadu(row->foam + i)));
-        vf_storeu(row->thin + i, through_of(vf_set1(o->foam_range_extinction), vf_loadu(row->foam_range + i)));
+        vf all = vf_loadu(row->foam + i), front = vf_loadu(row->foam_range + i), rest = vf_max(all - front, vf_zero()), one = vf_set1(1.0f);
+        vf veil = through_of(vf_set1(o->foam_extinction), all), hides = one - through_of(vf_set1(o->foam_extinction), front);
+        vf thin = hides * through_of(vf_set1(o->foam_range_extinction), front);
+        thin = vf_fma(one - veil - hides, through_of(vf_set1(o->foam_range_extinction), rest), thin);
+        vf_storeu(row->veil + i, veil);
+        vf_storeu(row->thin + i, thin / vf_max(one - veil, vf_set1(1e-6f)));
         vf_storeu(row->before + i, vf_keep(fluid, before));
     }
 }
