@@ -23,8 +23,10 @@ struct bench {
     struct survey survey;
     struct mns_output picture;  /* RGBA8 */
     mns_classifier *classifier; /* NULL: no foam */
+    mns_anisotropy *anisotropy; /* NULL: spheres */
     double classify_ms;         /* the best of PREPARES */
     double prepare_ms;          /* the same */
+    double anisotropy_ms;       /* the same */
     double *frame_ms;           /* [options->repeat], sorted in the end */
     double *stage_ms;           /* [MNS_STAGE_MAX][options->repeat], the same */
     struct mns_stats stats;     /* of the last frame */
@@ -80,11 +82,28 @@ static int classify(struct bench *bench, int i, struct mns_particles *particles)
     return STATUS_DONE;
 }
 
+/* Gives the set's particles shapes. */
+static int find_shapes(struct bench *bench, int i, struct mns_particles *particles)
+{
+    if (!bench->anisotropy) {
+        return STATUS_DONE;
+    }
+    struct mns_anisotropy_stats stats;
+    mns_anisotropy_stats_init(&stats);
+    if (mns_anisotropy_step(bench->anisotropy, particles, &bench->options->params) != MNS_OK) {
+        return program_fail("%s: %s", bench->path, mns_anisotropy_message(bench->anisotropy));
+    }
+    mns_anisotropy_attach(bench->anisotropy, particles);
+    mns_anisotropy_stats(bench->anisotropy, &stats);
+    bench->anisotropy_ms = i == 0 || stats.step_ms < bench->anisotropy_ms ? stats.step_ms : bench->anisotropy_ms;
+    return STATUS_DONE;
+}
+
 static int prepare(struct bench *bench, const struct mns_particles *given)
 {
     for (int i = 0; i < PREPARES; i++) {
         struct mns_particles particles = *given;
-        if (classify(bench, i, &particles) != STATUS_DONE) {
+        if (classify(bench, i, &particles) != STATUS_DONE || find_shapes(bench, i, &particles) != STATUS_DONE) {
             return STATUS_FAILED;
         }
         if (mns_renderer_prepare(bench->renderer, &particles) != MNS_OK) {
@@ -143,6 +162,9 @@ static void tell(const struct bench *bench, cJSON *list)
         if (bench->classifier) {
             printf("  classify %7.2f ms per new particle set\n", bench->classify_ms);
         }
+        if (bench->anisotropy) {
+            printf("  anisotropy %5.2f ms per new particle set\n", bench->anisotropy_ms);
+        }
         printf("  prepare %8.2f ms per new particle set\n  frame   %8.2f ms per new view (median; best %.2f, worst %.2f)\n",
                bench->prepare_ms, middle, bench->frame_ms[0], bench->frame_ms[repeat - 1]);
         for (int stage = 0; stage < stats->stage_count; stage++) {
@@ -163,6 +185,9 @@ static void tell(const struct bench *bench, cJSON *list)
     cJSON_AddStringToObject(item, "filter", filter);
     if (bench->classifier) {
         json_add_number(item, "classify_ms", bench->classify_ms);
+    }
+    if (bench->anisotropy) {
+        json_add_number(item, "anisotropy_ms", bench->anisotropy_ms);
     }
     json_add_number(item, "prepare_ms", bench->prepare_ms);
     cJSON *frame = cJSON_AddObjectToObject(item, "frame_ms");
@@ -191,7 +216,8 @@ static int create(struct bench *bench)
     if (options->params.foam != MNS_FOAM_NONE && program_classifier(&bench->classifier, options) != STATUS_DONE) {
         return STATUS_FAILED;
     }
-    return program_renderer(&bench->renderer, options);
+    int status = program_anisotropy(&bench->anisotropy, options);
+    return status == STATUS_DONE ? program_renderer(&bench->renderer, options) : status;
 }
 
 static int bench_file(const struct options *options, const char *path, cJSON *list)
@@ -214,6 +240,7 @@ static int bench_file(const struct options *options, const char *path, cJSON *li
     }
     mns_renderer_destroy(&bench.renderer);
     mns_classifier_destroy(&bench.classifier);
+    mns_anisotropy_destroy(&bench.anisotropy);
     free(bench.picture.image.data);
     free(bench.frame_ms);
     free(bench.stage_ms);

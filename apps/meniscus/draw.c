@@ -26,23 +26,37 @@ int draw_camera(const struct drawing *drawing, const struct mns_stats *stats, co
     return view_camera(camera, drawing->options, &survey, moment->index, moment->number);
 }
 
+/* Gives the particles shapes. */
+static int find_shapes(const struct drawing *drawing, const char *name, const struct mns_params *params, struct mns_particles *particles)
+{
+    if (mns_anisotropy_step(drawing->anisotropy, particles, params) != MNS_OK) {
+        return program_fail("%s: %s", name, mns_anisotropy_message(drawing->anisotropy));
+    }
+    mns_anisotropy_attach(drawing->anisotropy, particles);
+    return STATUS_DONE;
+}
+
 int draw_picture(const struct drawing *drawing, const struct mns_particles *particles, const struct moment *moment,
                  const struct mns_output *images, size_t image_count, struct mns_stats *stats)
 {
+    struct mns_particles shaped = *particles;
+    struct mns_params params = drawing->options->params;
     mns_stats_init(stats);
-    if (mns_renderer_prepare(drawing->renderer, particles) != MNS_OK) {
+    if (drawing->survey) {
+        survey_fix_params(drawing->survey, particles->radius.data != NULL, particles->mass.data != NULL, &params);
+    }
+    if (drawing->anisotropy && find_shapes(drawing, moment->name, &params, &shaped) != STATUS_DONE) {
+        return STATUS_FAILED;
+    }
+    if (mns_renderer_prepare(drawing->renderer, &shaped) != MNS_OK) {
         return program_fail("%s: %s", moment->name, mns_renderer_message(drawing->renderer));
     }
     int status = diffuse_prepare(drawing->diffuse, drawing->renderer, (long long)floor(moment->number));
     if (status != STATUS_DONE) {
         return status;
     }
-    struct mns_params params = drawing->options->params;
     if (drawing->diffuse && params.foam == MNS_FOAM_NONE) { /* they alone, of which nothing need be told */
         params.foam = MNS_FOAM_LAYERED;
-    }
-    if (drawing->survey) {
-        survey_fix_params(drawing->survey, particles->radius.data != NULL, particles->mass.data != NULL, &params);
     }
     struct mns_camera camera;
     mns_renderer_stats(drawing->renderer, stats);

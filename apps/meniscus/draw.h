@@ -12,6 +12,7 @@ struct drawing {
     const struct options *options;
     const struct survey *survey; /* of the sequence; NULL: each picture's own */
     mns_renderer *renderer;
+    mns_anisotropy *anisotropy; /* NULL: spheres */
     struct scenery *scenery; /* NULL: none */
     struct diffuse *diffuse; /* NULL: none */
 };

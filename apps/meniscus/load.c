@@ -41,6 +41,21 @@ int program_classifier(mns_classifier **out, const struct options *options)
     return mns_classifier_create(out, &params, &message) == MNS_OK ? STATUS_DONE : program_fail("%s", message.text);
 }
 
+int program_anisotropy(mns_anisotropy **out, const struct options *options)
+{
+    struct mns_anisotropy_params params;
+    struct mns_message message;
+    *out = NULL;
+    if (!options->params.anisotropy) {
+        return STATUS_DONE;
+    }
+    mns_anisotropy_params_init(&params);
+    params.isa = options->isa;
+    params.threads = options->threads;
+    params.log = program_log(options);
+    return mns_anisotropy_create(out, &params, &message) == MNS_OK ? STATUS_DONE : program_fail("%s", message.text);
+}
+
 enum { KEPT = sizeof(((struct load_notes *)0)->first) / sizeof(struct load_note) };
 
 static void keep(void *user, enum mns_log_level level, const char *text)

@@ -26,8 +26,10 @@ mns_result load_particles(mns_particle_set **out, const char *path, const struct
 /* Where the library's warnings go. */
 struct mns_log program_log(const struct options *options);
 
-/* A renderer as the options want it. Returns STATUS_DONE or, after telling why, STATUS_FAILED. */
+/* A renderer as the options want it, and what finds the particles' shapes (NULL where they are spheres). Returns STATUS_DONE or, after telling why,
+ * STATUS_FAILED. */
 int program_renderer(mns_renderer **out, const struct options *options);
+int program_anisotropy(mns_anisotropy **out, const struct options *options);
 
 /* The same for what tells foam and spray. */
 int program_classifier(mns_classifier **out, const struct options *options);

@@ -389,6 +389,7 @@ const struct option_row option_table[] = {
     {"--delta", 0, "D", SMOOTHS, "delta", NULL, "depth range that is smoothed together, in splat radii"},
     {"--mu", 0, "M", SMOOTHS, "mu", NULL, "where what lies beyond counts, in splat radii"},
 
+    {"--anisotropy", 0, "on|off", SMOOTHS, "anisotropy", NULL, "ellipsoids that follow the surface in place of spheres (off)"},
     {"--foam", 0, "KIND", DRAWS, "foam", NULL, "none, noise (small waves and grey foam) or layered (foam before, in and behind the water)"},
     {"--foam-particles", 0, "FILES", COMMAND_RENDER, NULL, option_set_foam_particles,
      "the simulation's own foam, spray and bubbles: files, a folder or a pattern, matched with the frames by the last number in the name; "

@@ -91,6 +91,7 @@ static int begin(struct render *render, struct options *options)
     render->drawing = (struct drawing){.options = options, .survey = render->inputs.count > 1 ? &render->survey : NULL};
     status = status == STATUS_DONE ? diffuse_begin(&render->drawing.diffuse, options, &render->inputs) : status;
     status = status == STATUS_DONE ? scenery_create(&render->drawing.scenery, options) : status;
+    status = status == STATUS_DONE ? program_anisotropy(&render->drawing.anisotropy, options) : status;
     return status == STATUS_DONE ? program_renderer(&render->drawing.renderer, options) : status;
 }
 
@@ -266,6 +267,7 @@ int command_render(struct options *options)
         status = finish(&render, render_frames(&render));
     }
     mns_renderer_destroy(&render.drawing.renderer);
+    mns_anisotropy_destroy(&render.drawing.anisotropy);
     scenery_destroy(render.drawing.scenery);
     diffuse_end(render.drawing.diffuse);
     history_end(&render.history);

@@ -2,6 +2,7 @@
 #ifndef MENISCUS_H
 #define MENISCUS_H
 
+#include <meniscus/anisotropy.h>
 #include <meniscus/camera.h>
 #include <meniscus/classify.h>
 #include <meniscus/colormap.h>

@@ -96,6 +96,14 @@ struct mns_params {
     int dynamic_range;    /* 0 or 1: [TY18] eq. 7-9 */
     float edge_threshold; /* r: neighbours whose depths differ by more are apart, for normals */
 
+    /* Anisotropy (meniscus/anisotropy.h). */
+    int anisotropy;             /* 0 or 1: whether programs use it; the renderer draws what shapes particles bring */
+    float anisotropy_reach;     /* r: how far neighbours count */
+    float anisotropy_ratio;     /* of the longest to the shortest semi-axis, at most */
+    float anisotropy_smoothing; /* lambda: 0, centres stay; 1, they move to the mean of their neighbours */
+    float anisotropy_neighbors; /* part of a full neighbourhood with which a particle is on its own; from twice that on it is not */
+    float anisotropy_isolated;  /* r: radius of a particle on its own */
+
     /* Water. */
     int display;                  /* enum mns_display */
     float absorption[3];          /* 1/metre per channel; -1 (auto): absorption_relative / L */
@@ -178,7 +186,7 @@ enum mns_param_type {
 /* One row of the table. All strings are static. */
 struct mns_param {
     const char *name;  /* the field's name, as in --set NAME=VALUE */
-    const char *group; /* "particles", "thickness", "smoothing", "water", "scene", "foam", "noise" */
+    const char *group; /* "particles", "thickness", "smoothing", "anisotropy", "water", "scene", "foam", "noise" */
     enum mns_param_type type;
     int components;          /* 1, or 3 for colours */
     size_t offset;           /* in struct mns_params */

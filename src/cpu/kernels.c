@@ -7,7 +7,8 @@
 #define KERNELS(isa)                                                                                                                       \
     {                                                                                                                                      \
         &mns_splat_kernels_##isa, &mns_ellipsoid_kernels_##isa, &mns_smooth_kernels_##isa, &mns_noise_kernels_##isa,                       \
-            &mns_blur_kernels_##isa, &mns_foam_kernels_##isa, &mns_scene_kernels_##isa, &mns_shade_kernels_##isa                           \
+            &mns_blur_kernels_##isa, &mns_foam_kernels_##isa, &mns_scene_kernels_##isa, &mns_shade_kernels_##isa,                          \
+            &mns_anisotropy_kernels_##isa                                                                                                  \
     }
 
 static const struct kernels scalar = KERNELS(scalar);

@@ -5,6 +5,7 @@
 
 #include <meniscus/renderer.h>
 
+#include "cpu/anisotropy.h"
 #include "cpu/blur.h"
 #include "cpu/ellipsoid.h"
 #include "cpu/foam.h"
@@ -23,6 +24,7 @@ struct kernels {
     const struct foam_kernels *foam;
     const struct scene_kernels *scene;
     const struct shade_kernels *shade;
+    const struct anisotropy_kernels *anisotropy; /* before prepare: src/particles */
 };
 
 /* The table for an instruction set (not AUTO), or NULL when this build or this processor lacks it. */

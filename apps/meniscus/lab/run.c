@@ -55,6 +55,15 @@ static bool allocate(struct lab *lab)
     return good;
 }
 
+static mns_result create_anisotropy(struct lab *lab)
+{
+    struct mns_anisotropy_params params;
+    mns_anisotropy_params_init(&params);
+    params.isa = lab->settings.isa;
+    params.threads = lab->settings.threads;
+    return mns_anisotropy_create(&lab->anisotropy, &params, &lab->message);
+}
+
 mns_result lab_create(struct lab *lab, const struct lab_settings *settings)
 {
     *lab = (struct lab){.settings = *settings, .scene = -1};
@@ -71,7 +80,8 @@ mns_result lab_create(struct lab *lab, const struct lab_settings *settings)
     renderer.isa = settings->isa;
     renderer.threads = settings->threads;
     mns_stats_init(&lab->stats);
-    return allocate(lab) ? mns_renderer_create(&lab->renderer, &renderer, &lab->message) : fail_memory(lab);
+    mns_result result = allocate(lab) ? mns_renderer_create(&lab->renderer, &renderer, &lab->message) : fail_memory(lab);
+    return result == MNS_OK && params->anisotropy ? create_anisotropy(lab) : result;
 }
 
 static void leave(struct lab *lab)
@@ -91,6 +101,7 @@ void lab_destroy(struct lab *lab)
     free(lab->depth);
     free(lab->normal);
     mns_renderer_destroy(&lab->renderer);
+    mns_anisotropy_destroy(&lab->anisotropy);
 }
 
 struct mns_params lab_params(const struct lab *lab, int filter)
@@ -144,6 +155,21 @@ mns_result lab_draw(struct lab *lab, const struct mns_params *params, int frame,
     return fail_renderer(lab, result);
 }
 
+/* Gives the particles shapes where the parameters say so. */
+static mns_result find_shapes(struct lab *lab, struct mns_particles *particles)
+{
+    if (!lab->anisotropy) {
+        return MNS_OK;
+    }
+    mns_result result = mns_anisotropy_step(lab->anisotropy, particles, &lab->settings.params);
+    if (result != MNS_OK) {
+        snprintf(lab->message.text, sizeof(lab->message.text), "%s", mns_anisotropy_message(lab->anisotropy));
+        return result;
+    }
+    mns_anisotropy_attach(lab->anisotropy, particles);
+    return MNS_OK;
+}
+
 static mns_result prepare(struct lab *lab, const struct lab_scene *scene)
 {
     struct lab_cloud cloud;
@@ -152,7 +178,8 @@ static mns_result prepare(struct lab *lab, const struct lab_scene *scene)
     mns_particles_init(&particles);
     particles.count = cloud.count;
     particles.position = (struct mns_attr){.data = cloud.position, .type = MNS_F32};
-    mns_result result = cloud.failed ? fail_memory(lab) : fail_renderer(lab, mns_renderer_prepare(lab->renderer, &particles));
+    mns_result result = cloud.failed ? fail_memory(lab) : find_shapes(lab, &particles);
+    result = result == MNS_OK ? fail_renderer(lab, mns_renderer_prepare(lab->renderer, &particles)) : result;
     lab_cloud_free(&cloud);
     return result;
 }

@@ -24,6 +24,7 @@ struct lab {
     struct lab_settings settings;
     struct lab_view view[LAB_FRAMES];
     mns_renderer *renderer;
+    mns_anisotropy *anisotropy; /* NULL: spheres */
     int scene;                                  /* -1: none yet */
     int frames;                                 /* of the scene: 1, or LAB_FRAMES where flicker is told */
     struct lab_reference reference[LAB_FRAMES]; /* [frames] */
