@@ -148,15 +148,29 @@ SIMD void make_rows(const struct slices *s, int octave, int lane, vf u, struct l
     }
 }
 
+/* What VLEN rows of pixels take of the rows of the lattice above and below them: noise = at[j] w[0] + slope[j] w[1] + at[j + 1] w[2] + slope[j + 1] w[3]. */
+struct row_weights {
+    float w[4][VLEN];
+    int32_t j[VLEN];
+} __attribute__((aligned(64)));
+
 /* v: -1 to 1 down the sphere. */
-SIMD vf noise_at(const struct lattice_row *rows, int cells, float v)
+SIMD void weigh_rows(vf v, int cells, struct row_weights *out)
 {
-    float y = (v + 1) * 0.5f * (float)cells;
-    y = y > 0 ? y < (float)cells ? y : (float)cells : 0;
-    int j = (int)y < cells - 1 ? (int)y : cells - 1;
-    float dy = y - (float)j, part = dy * dy * dy * (dy * (dy * 6 - 15) + 10);
-    vf above = vf_fma(rows[j].slope, vf_set1(dy), rows[j].at), below = vf_fma(rows[j + 1].slope, vf_set1(dy - 1), rows[j + 1].at);
-    return mix(above, below, vf_set1(part));
+    vf y = vf_clamp((v + vf_set1(1)) * vf_set1(0.5f * (float)cells), vf_zero(), vf_set1((float)cells));
+    vf j = vf_min(vf_floor(y), vf_set1((float)(cells - 1))), dy = y - j, below = fade(dy), above = vf_set1(1) - below;
+    vf_store(out->w[0], above);
+    vf_store(out->w[1], above * dy);
+    vf_store(out->w[2], below);
+    vf_store(out->w[3], below * (dy - vf_set1(1)));
+    vi_store(out->j, vf_truncate(j));
+}
+
+SIMD vf noise_at(const struct lattice_row *rows, const struct row_weights *row, int k)
+{
+    const struct lattice_row *above = rows + row->j[k];
+    vf noise = vf_fma(above[0].slope, vf_set1(row->w[1][k]), above[0].at * vf_set1(row->w[0][k]));
+    return vf_fma(above[1].slope, vf_set1(row->w[3][k]), vf_fma(above[1].at, vf_set1(row->w[2][k]), noise));
 }
 
 /* ---- T_f and T_ff ---- */
@@ -181,14 +195,18 @@ SIMD void draw_columns(const struct table *t, int i, int x, struct splat_tile *t
     const ptrdiff_t first = t->y0[i] * TILE_STRIDE + x;
     const float *end_all = ends->all + first, *end_front = ends->front + first;
     float *all = tile->sums[0] + first, *front = tile->sums[1] + first;
-    for (int left = t->y1[i] - t->y0[i]; left >= 0; left--, down += 1) {
+    struct row_weights weights[DETAIL_OCTAVES];
+    for (int row = 0; row <= t->y1[i] - t->y0[i]; row++, down += 1) {
+        for (int octave = 0; octave < octaves && row % VLEN == 0; octave++) {
+            weigh_rows((vf_set1(down) + vf_iota()) * vf_set1(per_y), DETAIL_CELLS << octave, &weights[octave]);
+        }
         vf dy = vf_set1(down), s2 = vf_max(vf_fma(vf_fma(c.k[2], dy, c.k[1]), dy, c.k[0]), vf_zero()), here = weight;
         vf root = vf_keep(vf_gt(s2, vf_zero()), s2 * vf_rsqrt_quick(s2)), along = vf_fma(vy, dy, v0);
         vf enter = along - root, leave = along + root;
         if (octaves > 0) {
-            vf noise = noise_at(rows[0], DETAIL_CELLS, down * per_y);
+            vf noise = noise_at(rows[0], &weights[0], row % VLEN);
             for (int octave = 1; octave < octaves; octave++) {
-                noise = noise + noise_at(rows[octave], DETAIL_CELLS << octave, down * per_y);
+                noise = noise + noise_at(rows[octave], &weights[octave], row % VLEN);
             }
             here = weight * vf_max(vf_fma(amount, noise, one), vf_zero());
         }
