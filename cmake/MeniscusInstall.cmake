@@ -67,6 +67,10 @@ if(MNS_BUILD_SCENE)
     set(MNS_SCENE_DEPENDENCIES
       "meniscus_find_module(MNS_ASSIMP assimp)\n    meniscus_find_module(MNS_STB stb)\n    find_dependency(embree 3)")
     set(scene_requires " assimp stb")
+    if(MNS_SCENE_EXR_FOUND)
+      string(APPEND MNS_SCENE_DEPENDENCIES "\n    find_dependency(OpenEXR CONFIG)")
+      string(APPEND scene_requires " OpenEXR")
+    endif()
     set(scene_libs " -lembree3")
   endif()
   mns_install_module(meniscus-scene "Opaque meshes around meniscus' fluids" "meniscus = ${PROJECT_VERSION}${scene_requires}"

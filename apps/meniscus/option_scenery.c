@@ -30,6 +30,12 @@ bool option_set_container(struct options *options, const char *value, struct mns
     return add_mesh(options, value, true, message);
 }
 
+bool option_set_environment(struct options *options, const char *value, struct mns_message *message)
+{
+    options->environment = value;
+    return *value || option_refuse(message, "the name is empty");
+}
+
 bool option_set_mesh_scale(struct options *options, const char *value, struct mns_message *message)
 {
     double *scale = &options->mesh_scale;

@@ -7,6 +7,7 @@
 bool option_set_foam_particles(struct options *options, const char *value, struct mns_message *message);
 bool option_set_mesh(struct options *options, const char *value, struct mns_message *message);
 bool option_set_container(struct options *options, const char *value, struct mns_message *message);
+bool option_set_environment(struct options *options, const char *value, struct mns_message *message);
 bool option_set_mesh_scale(struct options *options, const char *value, struct mns_message *message);
 bool option_set_mesh_up(struct options *options, const char *value, struct mns_message *message);
 

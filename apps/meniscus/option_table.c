@@ -407,6 +407,8 @@ const struct option_row option_table[] = {
     {"--mesh-scale", 0, "S", COMMAND_RENDER, NULL, option_set_mesh_scale, "metres per unit of the meshes' files (1)"},
     {"--mesh-up", 0, "AXIS", COMMAND_RENDER, NULL, option_set_mesh_up,
      "x, y or z: which axis is up in the meshes' files (as in the particles')"},
+    {"--environment", 0, "FILE", COMMAND_RENDER, NULL, option_set_environment,
+     "sky and reflections: an equirectangular .hdr, .exr, .png or .jpg; or six faces, cube_%s.png with px, nx, py, ny, pz, nz for %s"},
     {"--floor", 0, "on|off", DRAWS, "floor", NULL, "draw a floor (on)"},
     {"--sun", 0, "AZ,EL", DRAWS, NULL, set_sun, "where the sun stands, degrees about the up axis and above the horizon"},
     {"--tone-map", 0, "NAME", DRAWS, "tone_map", NULL, "none, filmic or reinhard: how light beyond white becomes a colour (none)"},

@@ -91,6 +91,7 @@ struct options {
 
     struct mesh_file *meshes; /* [mesh_count] */
     size_t mesh_count;
+    const char *environment; /* NULL: the sky */
     double mesh_scale; /* metres per unit */
     bool has_mesh_up;
     int mesh_up; /* enum mns_axis, of the files; where given */

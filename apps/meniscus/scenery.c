@@ -10,7 +10,8 @@
 
 struct scenery {
     const struct options *options;
-    mns_meshes *meshes;
+    mns_meshes *meshes; /* NULL: none */
+    mns_environment *environment;
     long long number; /* of the frame whose meshes are held, of those that change */
     bool has_frame;
 };
@@ -46,7 +47,7 @@ static int read_meshes(struct scenery *scenery, bool changing, long long number)
 int scenery_create(struct scenery **out, const struct options *options)
 {
     *out = NULL;
-    if (options->mesh_count == 0) {
+    if (options->mesh_count == 0 && !options->environment) {
         return STATUS_DONE;
     }
     struct scenery *scenery = calloc(1, sizeof(*scenery));
@@ -57,6 +58,12 @@ int scenery_create(struct scenery **out, const struct options *options)
     scenery->options = options;
     struct mns_meshes_params params;
     struct mns_message message;
+    if (options->environment && mns_environment_read(&scenery->environment, options->environment, &message) != MNS_OK) {
+        return program_fail("%s", message.text);
+    }
+    if (options->mesh_count == 0) {
+        return STATUS_DONE;
+    }
     mns_meshes_params_init(&params);
     params.threads = options->threads;
     if (mns_meshes_create(&scenery->meshes, &params, &message) != MNS_OK) {
@@ -69,6 +76,7 @@ void scenery_destroy(struct scenery *scenery)
 {
     if (scenery) {
         mns_meshes_destroy(&scenery->meshes);
+        mns_environment_destroy(&scenery->environment);
         free(scenery);
     }
 }
@@ -76,6 +84,10 @@ void scenery_destroy(struct scenery *scenery)
 int scenery_draw(struct scenery *scenery, mns_renderer *renderer, long long number, struct mns_frame *frame)
 {
     if (!scenery) {
+        return STATUS_DONE;
+    }
+    frame->environment = scenery->environment;
+    if (!scenery->meshes) {
         return STATUS_DONE;
     }
     if (!scenery->has_frame || scenery->number != number) {

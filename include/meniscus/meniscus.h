@@ -7,6 +7,7 @@
 #include <meniscus/classify.h>
 #include <meniscus/colormap.h>
 #include <meniscus/common.h>
+#include <meniscus/environment.h>
 #include <meniscus/params.h>
 #include <meniscus/particles.h>
 #include <meniscus/renderer.h>

@@ -63,6 +63,12 @@ enum mns_tone_map {
     MNS_TONE_MAP_REINHARD = 2 /* Reinhard and others 2002, eq. 4, per channel; 4 becomes white */
 };
 
+enum mns_floor_pattern {
+    MNS_FLOOR_CHECKER = 0,
+    MNS_FLOOR_TILES = 1, /* floor_light, with joints of floor_dark */
+    MNS_FLOOR_PLAIN = 2  /* floor_light */
+};
+
 enum mns_axis { MNS_AXIS_X = 0, MNS_AXIS_Y = 1, MNS_AXIS_Z = 2 };
 
 /* All parameters. Plain values: copy freely. The table tells each one's range, default and meaning at length. */
@@ -118,20 +124,23 @@ struct mns_params {
     float opaque_color[3];        /* linear RGB of the surface in display opaque and spheres */
 
     /* Scene drawn by us, when the caller gives none. */
-    int background;            /* enum mns_background */
-    float background_color[3]; /* linear RGB */
-    int up_axis;               /* enum mns_axis */
-    int floor;                 /* 0 or 1 */
-    float floor_height;        /* coordinate along up_axis, metres; -inf (auto): under the lowest particle */
-    float floor_cell;          /* metres per checker cell; 0 (auto): from L */
-    float floor_light[3];      /* linear RGB of the bright cells */
-    float floor_dark[3];       /* linear RGB of the dark cells */
-    int shadow;                /* 0 or 1: the fluid's own shadow on the floor */
-    float sun_azimuth;         /* degrees about the up axis */
-    float sun_elevation;       /* degrees above the horizon */
-    float sun_intensity;       /* times the default sun */
-    float exposure;            /* EV: the picture times 2^exposure */
-    int tone_map;              /* enum mns_tone_map: of 8- and 16-bit pictures; float32 stays linear */
+    int background;              /* enum mns_background */
+    float background_color[3];   /* linear RGB */
+    int up_axis;                 /* enum mns_axis */
+    int floor;                   /* 0 or 1 */
+    float floor_height;          /* coordinate along up_axis, metres; -inf (auto): under the lowest particle */
+    float floor_cell;            /* metres per checker cell; 0 (auto): from L */
+    float floor_light[3];        /* linear RGB of the bright cells */
+    float floor_dark[3];         /* linear RGB of the dark cells */
+    int floor_pattern;           /* enum mns_floor_pattern */
+    int shadow;                  /* 0 or 1: the fluid's own shadow on the floor */
+    float sun_azimuth;           /* degrees about the up axis */
+    float sun_elevation;         /* degrees above the horizon */
+    float sun_intensity;         /* times the default sun */
+    float environment_rotation;  /* degrees about the up axis */
+    float environment_intensity; /* times the environment's light */
+    float exposure;              /* EV: the picture times 2^exposure */
+    int tone_map;                /* enum mns_tone_map: of 8- and 16-bit pictures; float32 stays linear */
 
     /* Foam. */
     int foam; /* enum mns_foam */

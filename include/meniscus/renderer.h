@@ -9,6 +9,7 @@
 
 #include <meniscus/camera.h>
 #include <meniscus/common.h>
+#include <meniscus/environment.h>
 #include <meniscus/params.h>
 #include <meniscus/particles.h>
 
@@ -128,7 +129,8 @@ struct mns_frame {
     const struct mns_scene *scene;    /* NULL: sky and floor as params say */
     const struct mns_output *outputs; /* [output_count]; each layer at most once */
     size_t output_count;
-    const struct mns_objects *objects; /* things in our own sky and on our own floor; NULL: none. Not with scene */
+    const mns_environment *environment; /* takes the sky's place, where background is sky; NULL: none */
+    const struct mns_objects *objects;  /* things in our own sky and on our own floor; NULL: none. Not with scene */
 };
 MNS_API void mns_frame_init_sized(struct mns_frame *frame, size_t size);
 static inline void mns_frame_init(struct mns_frame *frame) { mns_frame_init_sized(frame, sizeof(*frame)); }
@@ -144,6 +146,7 @@ struct mns_light {
     float sun_light[3];    /* on a white surface that faces the sun */
     float sky_light[3];    /* on a white surface that faces up, by the sky alone */
     float ground_light[3]; /* on a white surface that faces down */
+    float side_light[3];   /* on a white vertical surface, by sky and ground */
     int has_floor;         /* 0 or 1 */
     double floor_height;   /* coordinate along up, metres */
 };

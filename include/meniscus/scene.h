@@ -1,4 +1,4 @@
-/* meniscus/scene.h: opaque meshes around the fluid, drawn by ray casting into the renderer's own sky and on its floor.
+/* meniscus/scene.h: what stands around the fluid: environments from files, and opaque meshes, drawn by ray casting into the renderer's own sky and on its floor.
  *
  *     mns_meshes_create -> mns_meshes_read (each file) -> mns_renderer_light -> mns_meshes_draw -> frame.objects -> mns_renderer_draw
  *
@@ -59,6 +59,10 @@ struct mns_mesh_stats {
 MNS_API void mns_mesh_stats_init_sized(struct mns_mesh_stats *stats, size_t size);
 static inline void mns_mesh_stats_init(struct mns_mesh_stats *stats) { mns_mesh_stats_init_sized(stats, sizeof(*stats)); }
 MNS_API void mns_meshes_stats(const mns_meshes *meshes, struct mns_mesh_stats *out);
+
+/* Reads an environment: an equirectangular picture (.hdr, .exr; .png and .jpg in sRGB), or, with %s in the name, the six square faces of a cube: px, nx, py, ny,
+ * pz, nz, or posx, negx ..., with y up and pz behind who looks at the scene. On success the caller owns *out; on failure *out is NULL. */
+MNS_API mns_result mns_environment_read(mns_environment **out, const char *path, struct mns_message *message);
 
 #ifdef __cplusplus
 }

@@ -256,6 +256,7 @@ mns_result mns_frame_resolve(struct frame *out, const struct mns_frame *in, cons
     if (result == MNS_OK) {
         out->scene = in->scene;
         out->objects = in->objects;
+        out->environment = in->environment;
         if (out->params.iterations == 0) {
             out->params.iterations = default_iterations(out->params.filter);
         }

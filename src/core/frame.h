@@ -46,8 +46,9 @@ struct frame {
     struct view view;
     struct mns_params params; /* checked; iterations is never auto */
     const struct particle_facts *facts;
-    const struct mns_scene *scene;     /* the caller's, or NULL */
-    const struct mns_objects *objects; /* the caller's, or NULL */
+    const struct mns_scene *scene;             /* the caller's, or NULL */
+    const struct mns_environment *environment; /* the caller's, or NULL */
+    const struct mns_objects *objects;         /* the caller's, or NULL */
     struct scene_look look;
     const struct mns_output *outputs;
     size_t output_count;

@@ -28,6 +28,7 @@ static const char *const thickness_modes[] = {"volume", "chord", NULL};
 static const char *const thickness_scales[] = {"auto", "1", "2", "", "4", NULL}; /* index = value; "" is no choice */
 static const char *const smooth_scales[] = {"", "1", "2", "", "4", NULL};
 static const char *const fresnels[] = {"exact", "schlick", NULL};
+static const char *const floor_patterns[] = {"checker", "tiles", "plain", NULL};
 static const char *const backgrounds[] = {"sky", "color", "transparent", NULL};
 static const char *const foams[] = {"none", "noise", "layered", NULL};
 static const char *const tone_maps[] = {"none", "filmic", "reinhard", NULL};
@@ -123,10 +124,14 @@ static const struct mns_param table[] = {
     {FLOAT(floor_cell, 1e-12, 1e15, 0), AUTO, .unit = "m", .group = "scene", .help = "size of a cell of the floor's checker; auto: from L"},
     {FLOAT3(floor_light, 0, 1, 0.43, 0.40, 0.355), .unit = "", .group = "scene", .help = "linear colour of the bright cells"},
     {FLOAT3(floor_dark, 0, 1, 0.31, 0.29, 0.26), .unit = "", .group = "scene", .help = "linear colour of the dark cells"},
+    {ENUM(floor_pattern, floor_patterns, MNS_FLOOR_CHECKER), .unit = "", .group = "scene",
+     .help = "checker, tiles of floor_light with joints of floor_dark, or plain floor_light"},
     {BOOL(shadow, 1), .unit = "", .group = "scene", .help = "the fluid's shadow on the floor"},
     {FLOAT(sun_azimuth, -360, 360, 145), .unit = "deg", .group = "scene", .help = "where the sun stands about the up axis"},
     {FLOAT(sun_elevation, 1, 90, 48), .unit = "deg", .group = "scene", .help = "height of the sun above the horizon"},
     {FLOAT(sun_intensity, 0, 100, 1), .unit = "", .group = "scene", .help = "scales the sun's light"},
+    {FLOAT(environment_rotation, -360, 360, 0), .unit = "deg", .group = "scene", .help = "turns the environment about the up axis"},
+    {FLOAT(environment_intensity, 0, 1000, 1), .unit = "", .group = "scene", .help = "scales the environment's light"},
     {FLOAT(exposure, -20, 20, 0), .unit = "EV", .group = "scene", .help = "the picture's light times 2^exposure"},
     {ENUM(tone_map, tone_maps, MNS_TONE_MAP_NONE), .unit = "", .group = "scene",
      .help = "how light beyond white becomes a colour, in 8- and 16-bit pictures; float32 stays linear"},

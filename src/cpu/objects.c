@@ -5,6 +5,10 @@
 
 #include <math.h>
 
+/* Part of the sun's light that comes into an object's shadow by way of the floor about it and of the object: about the product of their
+ * reflectances. Without it shadows are as blue as the sky. */
+static const float BOUNCE = 0.15f;
+
 /* A point that a pixel's ray meets, in the terms of the light map. */
 struct place {
     float u, v, height; /* texels; metres over the floor */
@@ -53,7 +57,8 @@ static void shade_floor(const struct backdrop *b, const struct shadow *shadow, c
     }
     float clear = 1 - mns_floor_haze(at->fall);
     for (int c = 0; c < 3; c++) {
-        float kept = (1 - object->floor_sun) * fmaxf(light[c] - sky[c], 0) + (1 - object->floor_sky) * sky[c];
+        float kept =
+            (1 - object->floor_sun) * (1 - BOUNCE * object->floor_sky) * fmaxf(light[c] - sky[c], 0) + (1 - object->floor_sky) * sky[c];
         color[c] *= 1 - clear * fminf(kept / fmaxf(light[c], 1e-20f), 1);
     }
 }

@@ -1,5 +1,6 @@
 /* scene.c: stage scene: the caller's picture and depth, or sky, floor and shadow. */
 #include "cpu/cpu.h"
+#include "cpu/environment.h"
 #include "cpu/objects.h"
 #include "cpu/pixels.h"
 #include "cpu/shadow.h"
@@ -13,6 +14,7 @@ enum { ROWS_PER_JOB = 16 };
 static const float DISC_RADIUS = 0.00465f, DISC_RIM = 0.0006f, DISC_RADIANCE = 20;
 
 struct scene_run {
+    struct surroundings surroundings;
     struct backend *cpu;
     const struct frame *frame;
     struct backdrop backdrop;
@@ -67,10 +69,12 @@ static mns_result resolve_light(struct backdrop *out, struct backend *cpu, const
     return result;
 }
 
-static mns_result resolve_backdrop(struct backdrop *out, struct backend *cpu, const struct frame *frame)
+static mns_result resolve_backdrop(struct backdrop *out, struct backend *cpu, const struct frame *frame, bool has_environment)
 {
     const struct view *view = &frame->view;
-    *out = (struct backdrop){.has_sky = frame->params.background == MNS_BACKGROUND_SKY,
+    *out = (struct backdrop){.has_sky = frame->params.background == MNS_BACKGROUND_SKY && !has_environment,
+                             .fades = has_environment,
+                             .pattern = frame->params.floor_pattern,
                              .orthographic = view->orthographic,
                              .step_x = 1 / view->fx,
                              .step_y = 1 / view->fy,
@@ -120,7 +124,11 @@ static void draw_row(struct scene_run *run, int y)
     for (int x = 0; x < run->frame->view.width; x += SCENE_SPAN) {
         int count = run->frame->view.width - x < SCENE_SPAN ? run->frame->view.width - x : SCENE_SPAN;
         float *depth = out->has_depth ? out->depth.data + y * out->depth.stride + x : unused;
-        run->cpu->kernels->scene->backdrop(&run->backdrop, x, y, count, out->color + 4 * ((ptrdiff_t)y * out->stride + x), depth);
+        float *color = out->color + 4 * ((ptrdiff_t)y * out->stride + x);
+        run->cpu->kernels->scene->backdrop(&run->backdrop, x, y, count, color, depth);
+        if (run->surroundings.environment) {
+            mns_surroundings_behind(&run->surroundings, &run->backdrop, x, y, count, color);
+        }
     }
     if (run->frame->objects) {
         mns_objects_row(run->cpu, run->frame, &run->backdrop, y);
@@ -197,7 +205,8 @@ mns_result mns_cpu_scene(struct backend *cpu, const struct frame *frame)
     struct scene_run run = {.cpu = cpu, .frame = frame};
     struct scene_image *scene = &cpu->scene;
     cpu->stats.shadow_ms = 0;
-    mns_result result = resolve_backdrop(&run.backdrop, cpu, frame);
+    mns_surroundings_resolve(&run.surroundings, frame);
+    mns_result result = resolve_backdrop(&run.backdrop, cpu, frame, run.surroundings.environment != NULL);
     if (result != MNS_OK) {
         return result;
     }

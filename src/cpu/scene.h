@@ -15,7 +15,9 @@ struct backdrop {
     struct sky sky;
     bool has_sky;   /* false: color everywhere, into which the floor fades as well */
     bool has_floor; /* and the eye is above it */
+    bool fades;     /* the fourth channel is 1 - haze on the floor: something else stands behind it */
     bool orthographic;
+    int pattern; /* enum mns_floor_pattern */
     float color[4];
     float step_x, step_y; /* 1 / fx, 1 / fy */
     float cx, cy, near_plane;
@@ -48,6 +50,8 @@ static inline float mns_floor_haze(float sine)
 /* The checker is filtered by a tent of one pixel's footprint on each side, along each axis of the floor in turn: t (2 - |t|) of
  * t = distance to the nearest edge / width, clamped to [-1, 1]. From half a cell on the next edges come in: (2 - width) / 1.5 stands for
  * them, within 0.07 of the tent's integral, and from two cells on nothing is left, where the tent leaves 0.05 at most. */
+
+/* A row of tiles across one axis: 1 on them, 0 in the joints, the mean over the pixel's footprint; to the mean of all where that nears half a cell. */
 
 struct scene_kernels {
     /* Pixels x to x + count - 1 of row y: color [count][4], linear; depth [count], metres, DEPTH_EMPTY in the sky. Both may be written up

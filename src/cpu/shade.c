@@ -3,6 +3,7 @@
 
 #include "cpu/cpu.h"
 #include "cpu/display.h"
+#include "cpu/environment.h"
 #include "cpu/splat.h"
 
 #include <math.h>
@@ -24,6 +25,7 @@ struct shade_run {
     struct backend *cpu;
     const struct frame *frame;
     struct shade_optics optics;
+    struct surroundings surroundings;
     const struct plane *surface; /* depth that is shaded: smoothed, or raw in display spheres */
     const struct foam *foam;     /* NULL: none shows */
     const struct plane *noise;   /* on the surface, or NULL */
@@ -305,6 +307,9 @@ static void map_tones(const struct shade_run *run, struct shade_row *row)
 static void draw(struct shade_run *run, struct shade_row *row, bool has_foam, const float *curvature)
 {
     const struct shade_kernels *kernels = run->cpu->kernels->shade;
+    if (run->optics.has_mirrored) {
+        mns_surroundings_mirror(&run->surroundings, &run->optics, row);
+    }
     switch (run->frame->params.display) {
     case MNS_DISPLAY_BEAUTY:
         if (!run->optics.transparent) {
@@ -406,6 +411,8 @@ mns_result mns_cpu_shade(struct backend *cpu, const struct frame *frame)
         run.noise_height = frame->params.noise_height * frame->splat_radius;
     }
     resolve_optics(&run.optics, cpu, frame);
+    mns_surroundings_resolve(&run.surroundings, frame);
+    run.optics.has_mirrored = run.surroundings.environment != NULL;
     run.has_color = cpu->blurred.has_color;
     run.needs_color = run.has_color;
     run.needs_curvature = (wanted >> MNS_LAYER_CURVATURE & 1) || display == MNS_DISPLAY_CURVATURE;

@@ -29,6 +29,7 @@ struct shade_optics {
     float absorption_mean;                 /* of the three: what a particle's colour takes the hue of */
     float scatter[3];                      /* radiance of deep fluid */
     float scatter_light[3];                /* radiance of deep fluid over the particles' colour */
+    bool has_mirrored;                     /* what the surface reflects is in row->mirrored: not the sky of sky.h */
     float reflection, specular, shininess; /* specular: over the sun's light on a white surface */
     float opaque[3];                       /* colour of the surface where the fluid is opaque */
     float grey[3];                         /* colour of grey foam */
@@ -57,6 +58,7 @@ struct shade_row {
         before[SHADE_SPAN];                       /* its depth, T_f, T_ff; T_wf of the water */
     float veil[SHADE_SPAN], thin[SHADE_SPAN];     /* parts that come through the foam, and that have its back colour */
     float grey[SHADE_SPAN];                       /* part that grey foam covers */
+    float mirrored[3][SHADE_SPAN];                /* radiance that the surface reflects, where has_mirrored */
     float look_x[SHADE_SPAN], look_y[SHADE_SPAN]; /* where the scene is looked up: pixel centres at whole numbers, inside the picture */
     float behind[4 * SHADE_SPAN];                 /* what was found there: [count][4] */
     float out[4][SHADE_SPAN];                     /* linear, straight alpha; a plane per channel */

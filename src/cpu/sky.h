@@ -15,6 +15,9 @@
 #define SKY_WIDE_G   0.8f
 #define SKY_NARROW_G 0.97f
 
+/* Width of the joints between tiles of the floor, in cells. */
+#define FLOOR_JOINT 0.03f
+
 struct sky {
     float up[3], sun[3];         /* unit, image space */
     float zenith[3], horizon[3]; /* linear radiance, where a white surface under the default sun has about 1.6 */

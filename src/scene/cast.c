@@ -14,8 +14,10 @@ enum { BASE = 4, SAMPLES = 16, SKY_RAYS = 4, ROWS_PER_JOB = 4 };
 /* Where in the pixel the samples lie, in sixteenths: no two share a row or a column, and the first four stand for the rest. */
 static const unsigned char OFFSETS[SAMPLES][2] = {{2, 5}, {10, 2}, {5, 13}, {13, 10}, {0, 1},  {1, 9},  {3, 14},  {4, 7},
                                                   {6, 4}, {7, 11}, {8, 15}, {9, 8},   {11, 6}, {12, 0}, {14, 12}, {15, 3}};
-/* Base samples that differ by more than this in normal or albedo see an edge. */
-static const float EDGE_NORMAL = 0.02f, EDGE_ALBEDO = 0.02f;
+/* Base samples that differ by more than this in normal, albedo or facing see an edge. */
+static const float EDGE_NORMAL = 0.02f, EDGE_ALBEDO = 0.02f, EDGE_FACING = 0.1f;
+/* Part of the sun's light that comes into the shadow of other meshes by way of what stands about: as on the floor (cpu/objects.c). */
+static const float BOUNCE = 0.15f;
 /* Rays leave a surface by so much of the distance that it was reached over. */
 static const float LIFT = 2e-5f;
 /* What lies this far under the floor still shows, of the meshes' diagonal: the bottom of a tank that stands on it. */
@@ -32,7 +34,7 @@ struct caster {
     const struct view *view;
     float up[3], sun[3], eye[3]; /* eye: of a perspective, in Embree's coordinates */
     float forward[3];
-    float sun_light[3], sky_light[3], ground_light[3];
+    float sun_light[3], sky_light[3], side_light[3], ground_light[3];
     float floor_height, floor_bias, occlusion_distance;
     bool has_floor;
     void (*row)(const struct caster *c, int y); /* what is done in this pass */
@@ -43,7 +45,7 @@ struct sample {
     int kind;
     float t; /* depth, metres */
     float point[3], normal[3], albedo[3];
-    float facing; /* cosine to the sun, 0 in shadow */
+    float facing; /* cosine to the sun, less in shadow; of the floor 1 or 0 */
     float sky;    /* part of the sky that is seen; set for base samples */
 };
 
@@ -183,7 +185,7 @@ static void meet_mesh(const struct caster *c, const struct RTCRayHit *hit, const
     out->facing = 0;
     if (lit) {
         lift(out, geometric, from);
-        out->facing = is_hidden(c, from, c->sun, INFINITY) ? 0 : cosine;
+        out->facing = is_hidden(c, from, c->sun, INFINITY) ? BOUNCE * cosine : cosine;
     }
 }
 
@@ -279,7 +281,7 @@ static float sky_seen(const struct caster *c, const struct sample *s, int sample
 
 static bool differ(const struct sample *a, const struct sample *b)
 {
-    if (a->kind != b->kind || (a->facing > 0) != (b->facing > 0)) {
+    if (a->kind != b->kind || fabsf(a->facing - b->facing) > EDGE_FACING) {
         return true;
     }
     float albedo = 0;
@@ -305,11 +307,13 @@ static void add(const struct caster *c, struct sum *sum, const struct sample *s)
     if (s->kind < 0) {
         return;
     }
-    float height = 0.5f + 0.5f * dot(s->normal, c->up);
+    float up = dot(s->normal, c->up);
     sum->hits++;
     sum->reach += s->t;
     for (int i = 0; i < 3; i++) {
-        sum->color[i] += s->albedo[i] * s->sky * (c->ground_light[i] + height * (c->sky_light[i] - c->ground_light[i]));
+        /* The parabola through what faces up, sideways and down. */
+        float sky = c->sky_light[i], side = c->side_light[i], ground = c->ground_light[i];
+        sum->color[i] += s->albedo[i] * s->sky * (side + up * (0.5f * (sky - ground) + up * (0.5f * (sky + ground) - side)));
         sum->sunlit[i] += s->albedo[i] * s->facing * c->sun_light[i];
     }
 }
@@ -442,6 +446,7 @@ void mns_meshes_cast(struct mns_meshes *meshes, const struct view *view, const s
         c.sun[i] = (float)light->sun[i];
         c.sun_light[i] = light->sun_light[i];
         c.sky_light[i] = light->sky_light[i];
+        c.side_light[i] = light->side_light[i];
         c.ground_light[i] = light->ground_light[i];
     }
     float diagonal = (float)sqrt(diagonal2), given = (float)meshes->params.occlusion_distance;

@@ -7,9 +7,9 @@
 
 static mns_result missing(struct mns_message *message)
 {
-    return mns_fail(
-        message, MNS_ERR_UNSUPPORTED,
-        "this build draws no meshes: install Assimp, Embree 3 and stb (Debian: libassimp-dev libembree-dev libstb-dev) and build again");
+    return mns_fail(message, MNS_ERR_UNSUPPORTED,
+                    "this build reads no meshes and no environments: install Assimp, Embree 3 and stb (Debian: libassimp-dev libembree-dev "
+                    "libstb-dev) and build again");
 }
 
 void mns_meshes_params_init_sized(struct mns_meshes_params *params, size_t size)
@@ -50,6 +50,13 @@ mns_result mns_meshes_draw(mns_meshes *meshes, const struct mns_camera *camera, 
                            const struct mns_objects **out, struct mns_message *message)
 {
     (void)meshes, (void)camera, (void)light;
+    *out = NULL;
+    return missing(message);
+}
+
+mns_result mns_environment_read(mns_environment **out, const char *path, struct mns_message *message)
+{
+    (void)path;
     *out = NULL;
     return missing(message);
 }

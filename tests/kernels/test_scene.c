@@ -93,8 +93,25 @@ static void test_backdrop(void **state)
     }
 }
 
+static void test_patterns_and_what_stands_behind_haze(void **state)
+{
+    (void)state;
+    for (int kind = 0; kind < 4; kind++) {
+        for (int pattern = MNS_FLOOR_CHECKER; pattern <= MNS_FLOOR_PLAIN; pattern++) {
+            struct backdrop b = backdrop_of(2, 0.4f, kind & 1, false, kind & 2);
+            b.pattern = pattern;
+            b.fades = true;
+            b.color[3] = 0;
+            compare(&b);
+            b = backdrop_of(0.1f, 0, kind & 1, true, kind & 2);
+            b.pattern = pattern;
+            compare(&b);
+        }
+    }
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_backdrop)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_backdrop), cmocka_unit_test(test_patterns_and_what_stands_behind_haze)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

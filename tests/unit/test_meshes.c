@@ -15,7 +15,8 @@ static const struct mns_light daylight = {.struct_size = sizeof(struct mns_light
                                           .sun = {0.6, 0.8, 0},
                                           .sun_light = {1, 1, 1},
                                           .sky_light = {0.2f, 0.2f, 0.2f},
-                                          .ground_light = {0.1f, 0.1f, 0.1f}};
+                                          .ground_light = {0.1f, 0.1f, 0.1f},
+                                          .side_light = {0.15f, 0.15f, 0.15f}};
 
 static void write_text(const char *path, const char *text)
 {
@@ -382,6 +383,58 @@ static int leave_folder(void **state)
     return chdir("..") == 0 ? rmdir(folder) : -1;
 }
 
+static void refuse_environment(const char *path, const char *text, const char *words)
+{
+    struct mns_message message;
+    mns_environment *environment;
+    if (text) {
+        write_text(path, text);
+    }
+    assert_int_not_equal(mns_environment_read(&environment, path, &message), MNS_OK);
+    assert_null(environment);
+    if (!strstr(message.text, words) || strchr(message.text, '\n')) {
+        fail_msg("%s: says '%s', not '%s'", path, message.text, words);
+    }
+}
+
+/* Two pixels of Radiance's RGBE, flat: (1, 0.5, 0.25) and 100 times that. */
+static void test_environments_from_files(void **state)
+{
+    (void)state;
+    struct mns_message message;
+    mns_environment *environment;
+    static const char head[] = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\n";
+    static const unsigned char pixels[] = {128, 64, 32, 129, 200, 100, 50, 135};
+    FILE *file = fopen("sky.hdr", "wb");
+    assert_non_null(file);
+    assert_int_equal(fwrite(head, 1, sizeof(head) - 1, file), sizeof(head) - 1);
+    assert_int_equal(fwrite(pixels, 1, sizeof(pixels), file), sizeof(pixels));
+    assert_int_equal(fclose(file), 0);
+    assert_int_equal(mns_environment_read(&environment, "sky.hdr", &message), MNS_OK);
+    mns_environment_destroy(&environment);
+    assert_null(environment);
+    static const char *const faces[] = {"px", "nx", "py", "ny", "posz", "nz"};
+    for (int i = 0; i < 6; i++) {
+        char path[32];
+        snprintf(path, sizeof(path), "cube_%s.tga", faces[i]);
+        file = fopen(path, "wb"); /* 1 x 1 pixel */
+        const unsigned char tga[] = {0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 1, 0, 24, 0, 255, 128, 0};
+        assert_non_null(file);
+        assert_int_equal(fwrite(tga, 1, sizeof(tga), file), sizeof(tga));
+        assert_int_equal(fclose(file), 0);
+    }
+    if (mns_environment_read(&environment, "cube_%s.tga", &message) != MNS_OK) {
+        fail_msg("%s", message.text);
+    }
+    mns_environment_destroy(&environment);
+    refuse_environment("none_%s.png", NULL, "none_px.png: cannot be read: No such file");
+    refuse_environment("none.hdr", NULL, "none.hdr: cannot be read: No such file");
+    refuse_environment("words.hdr", "This is no picture.\n", "words.hdr: cannot be read");
+    refuse_environment("words.exr", "This is no picture.\n", "words.exr: ");
+    refuse_environment("none.exr", NULL, "none.exr: ");
+    refuse_environment("half.hdr", "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 100000 +X 100000\n", "half.hdr: ");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -394,6 +447,7 @@ int main(void)
         cmocka_unit_test(test_same_bytes_for_any_threads),
         cmocka_unit_test(test_textures_axes_and_units),
         cmocka_unit_test(test_files_that_are_no_mesh),
+        cmocka_unit_test(test_environments_from_files),
     };
     return cmocka_run_group_tests(tests, enter_folder, leave_folder);
 }

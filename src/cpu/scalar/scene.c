@@ -17,6 +17,26 @@ static float checker_axis(float u, float width)
     return t * (2 - fabsf(t)) * clamp((2 - width) * (1 / 1.5f), 0, 1);
 }
 
+/* One axis of the tiles at u: how much of `width` cells on each side is no joint (scene.h). */
+static float tiles_axis(float u, float width)
+{
+    float centre = u - rintf(u); /* from the nearest joint's middle */
+    width = fmaxf(width, 1e-6f);
+    float joint = fminf(centre + width, 0.5f * FLOOR_JOINT) - fmaxf(centre - width, -0.5f * FLOOR_JOINT);
+    float mean = 1 - FLOOR_JOINT, near = clamp((0.5f - width) * 4, 0, 1);
+    return mean + near * (1 - fmaxf(joint, 0) / (2 * width) - mean);
+}
+
+/* -1 where the floor is dark, 1 where it is light. */
+static float pattern(const struct backdrop *b, float u, float v, float width_u, float width_v)
+{
+    switch (b->pattern) {
+    case MNS_FLOOR_CHECKER: return checker_axis(u, width_u) * checker_axis(v, width_v);
+    case MNS_FLOOR_TILES: return 2 * tiles_axis(u, width_u) * tiles_axis(v, width_v) - 1;
+    default: return 1;
+    }
+}
+
 struct floor_point {
     float depth;            /* metres */
     float along_u, along_v; /* axis . q, metres */
@@ -101,14 +121,14 @@ static void backdrop_pixel(const struct backdrop *b, int x, int y, float color[4
     }
     *depth = DEPTH_EMPTY;
     if (floor_here) {
-        float light[3], checker = checker_axis(at.along_u * b->inv_cell + b->offset_u, at.width_u) *
-                                  checker_axis(at.along_v * b->inv_cell + b->offset_v, at.width_v);
+        float light[3],
+            checker = pattern(b, at.along_u * b->inv_cell + b->offset_u, at.along_v * b->inv_cell + b->offset_v, at.width_u, at.width_v);
         floor_light(b, &at, light);
         for (int c = 0; c < 3; c++) {
             float shown = (b->albedo_mean[c] + b->albedo_half[c] * checker) * light[c];
             color[c] = shown + at.haze * (color[c] - shown);
         }
-        color[3] = 1;
+        color[3] = b->fades ? 1 - at.haze : 1;
         *depth = at.depth;
     }
 }

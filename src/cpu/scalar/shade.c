@@ -216,11 +216,17 @@ static float highlight(const struct shade_optics *o, const float n[3], const flo
 }
 
 /* The sky, or the ground, in the direction that the surface reflects. Returns that direction's height. */
-static float reflected(const struct shade_optics *o, const float n[3], const float v[3], float cosine, float out[3])
+static float reflected(const struct shade_optics *o, const struct shade_row *row, int i, const float n[3], const float v[3], float cosine,
+                       float out[3])
 {
     const float r[3] = {v[0] + 2 * cosine * n[0], v[1] + 2 * cosine * n[1], v[2] + 2 * cosine * n[2]};
     float height = dot(r, o->sky.up);
-    sky_radiance(&o->sky, height, sky_sun_distance2(&o->sky, r), out);
+    if (!o->has_mirrored) {
+        sky_radiance(&o->sky, height, sky_sun_distance2(&o->sky, r), out);
+    }
+    for (int c = 0; c < 3 && o->has_mirrored; c++) {
+        out[c] = row->mirrored[c][i];
+    }
     return height;
 }
 
@@ -250,7 +256,7 @@ static bool meet_surface(const struct shade_optics *o, struct shade_row *row, in
     ray_of(o, row->x + i, row->y, v);
     memcpy(out->n, n, sizeof(n));
     out->cosine = clamp(-dot(n, v), 0, 1);
-    out->height = reflected(o, n, v, out->cosine, out->mirrored);
+    out->height = reflected(o, row, i, n, v, out->cosine, out->mirrored);
     out->glint = highlight(o, n, v, out->cosine);
     return true;
 }

@@ -36,6 +36,19 @@ SIMD vf checker_axis(vf u, vf width, vf inv_width)
     return t * (vf_set1(2.0f) - vf_abs(t)) * vf_clamp((vf_set1(2.0f) - width) * vf_set1(1 / 1.5f), vf_zero(), one);
 }
 
+SIMD vf tiles_axis(vf u, vf width, vf inv_width)
+{
+    vf centre = u - vf_round(u), half = vf_set1(0.5f * FLOOR_JOINT), mean = vf_set1(1 - FLOOR_JOINT), one = vf_set1(1.0f);
+    vf joint = vf_max(vf_min(centre + width, half) - vf_max(centre - width, vf_zero() - half), vf_zero());
+    vf near = vf_clamp((vf_set1(0.5f) - width) * vf_set1(4.0f), vf_zero(), one);
+    return vf_fma(near, vf_fnma(joint, vf_set1(0.5f) * inv_width, one) - mean, mean);
+}
+
+SIMD vf pattern_axis(const struct backdrop *b, vf u, vf width, vf inv_width)
+{
+    return b->pattern == MNS_FLOOR_TILES ? tiles_axis(u, width, inv_width) : checker_axis(u, width, inv_width);
+}
+
 SIMD vf floor_haze(vf sine)
 {
     const float s2 = FLOOR_HAZE_SINE * FLOOR_HAZE_SINE;
@@ -84,10 +97,13 @@ SIMD struct floor_hit meet_floor(const struct backdrop *b, const struct rays *r)
         vf per_x = vf_fnma(slope, vf_set1(up[0]), vf_set1(axis[0])) * vf_set1(b->step_x);
         vf per_y = vf_fnma(slope, vf_set1(up[1]), vf_set1(axis[1])) * vf_set1(b->step_y);
         vf width2 = vf_max(vf_fma(per_x, per_x, per_y * per_y), vf_set1(1e-36f)), inv_width = vf_rsqrt(width2); /* metres at scale 1 */
-        checker[k] = checker_axis(vf_fma(along[k], vf_set1(b->inv_cell), vf_set1(k == 0 ? b->offset_u : b->offset_v)),
+        checker[k] = pattern_axis(b, vf_fma(along[k], vf_set1(b->inv_cell), vf_set1(k == 0 ? b->offset_u : b->offset_v)),
                                   width2 * inv_width * scale, inv_width * inv_scale);
     }
     hit.checker = checker[0] * checker[1];
+    if (b->pattern != MNS_FLOOR_CHECKER) {
+        hit.checker = vf_either(b->pattern == MNS_FLOOR_TILES, hit.checker + hit.checker - vf_set1(1.0f), vf_set1(1.0f));
+    }
     hit.map_u = vf_fma(along[0], vf_set1(b->light_scale), vf_set1(b->light_u));
     hit.map_v = vf_fma(along[1], vf_set1(b->light_scale), vf_set1(b->light_v));
     return hit;
@@ -191,7 +207,7 @@ static void sum(const struct backdrop *b, int count, const struct span *span, fl
                 out[c] = vf_fma(haze, out[c] - shown, shown);
             }
         }
-        vf_store_rgba(color + 4 * i, out[0], out[1], out[2], vf_select(vf_lt(haze, one), one, nothing));
+        vf_store_rgba(color + 4 * i, out[0], out[1], out[2], vf_select(vf_lt(haze, one), vf_either(b->fades, one - haze, one), nothing));
     }
 }
 

@@ -269,11 +269,17 @@ SIMD vf highlight(const struct shade_optics *o, struct v3 n, struct v3 v, vf cos
     return vf_keep(lit, vf_set1(o->specular * 0.125f * (o->shininess + 2)) * power * reflectance * seen);
 }
 
-SIMD vf reflected(const struct shade_optics *o, struct v3 n, struct v3 v, vf cosine, vf out[3])
+SIMD vf reflected(const struct shade_optics *o, const struct shade_row *row, int i, struct v3 n, struct v3 v, vf cosine, vf out[3])
 {
     struct v3 r = v3_fma(cosine + cosine, n, v);
     vf height = vf_dot(o->sky.up, r.x, r.y, r.z);
-    sky_radiance(&o->sky, height, sky_sun_distance2(&o->sky, r.x, r.y, r.z), out);
+    if (!o->has_mirrored) {
+        sky_radiance(&o->sky, height, sky_sun_distance2(&o->sky, r.x, r.y, r.z), out);
+        return height;
+    }
+    for (int c = 0; c < 3; c++) {
+        out[c] = vf_loadu(row->mirrored[c] + i);
+    }
     return height;
 }
 
@@ -360,7 +366,7 @@ SIMD void water_at(const struct shade_optics *o, bool has_color, vm foam, const 
     vf one = vf_set1(1.0f), cosine = vf_saturate(vf_neg(v3_dot(n, v))), shine = vf_loadu(row->fresnel + i), enters = one - shine,
        covers = vf_zero();
     vf glint = highlight(o, n, v, cosine), mirrored[3], behind[4] = {vf_zero(), vf_zero(), vf_zero(), vf_zero()};
-    vf below = vf_clamp(vf_set1(-SHADE_BELOW) * reflected(o, n, v, cosine, mirrored), vf_zero(), vf_set1(SHADE_BELOW_MOST));
+    vf below = vf_clamp(vf_set1(-SHADE_BELOW) * reflected(o, row, i, n, v, cosine, mirrored), vf_zero(), vf_set1(SHADE_BELOW_MOST));
     shine = shine * vf_set1(o->reflection);
     if (o->transparent) {
         below = vf_zero();
@@ -440,7 +446,7 @@ static void opaque(const struct shade_optics *o, bool has_color, struct shade_ro
         struct v3 n = row_normals(row, i), v = rays(o, row->x + i, row->y);
         vm fluid = vm_and(vf_lt(vf_zero(), v3_dot(n, n)), vm_first(row->count - i));
         vf cosine = vf_saturate(vf_neg(v3_dot(n, v))), shine = fresnel(o, cosine) * vf_set1(o->reflection), mirrored[3], light[3], out[4];
-        reflected(o, n, v, cosine, mirrored);
+        reflected(o, row, i, n, v, cosine, mirrored);
         white_light(o, n, light);
         vf glint = highlight(o, n, v, cosine);
         for (int c = 0; c < 3; c++) {
