@@ -141,9 +141,41 @@ static mns_result smooth_texels(struct backend *cpu, const struct frame *frame, 
     return MNS_OK;
 }
 
+static bool is_depth(float value) { return value >= 0 && value <= DEPTH_EMPTY; }
+
+/* A job: what is no depth (NaN, infinite, behind the eye) in one row of blocks becomes empty. Splats give no such thing; this holds for any other
+ * source of depth, and what it reads the filter finds in the caches. */
+static void enter_row(void *context, int by)
+{
+    struct depth_plane *depth = context;
+    ptrdiff_t stride = depth->plane.stride;
+    for (int bx = 0; bx < depth->blocks_x; bx++) {
+        struct depth_range *range = &depth->ranges[by * depth->blocks_x + bx];
+        if (range->min == DEPTH_EMPTY && range->max == DEPTH_EMPTY) {
+            continue;
+        }
+        float *at = depth->plane.data + by * BLOCK_HEIGHT * stride + bx * BLOCK_WIDTH;
+        int wrong = 0;
+        for (int y = 0; y < BLOCK_HEIGHT; y++) {
+            for (int x = 0; x < BLOCK_WIDTH; x++) {
+                float value = at[y * stride + x];
+                wrong |= !(value >= 0) | !(value <= DEPTH_EMPTY); /* without a branch: vectors */
+            }
+        }
+        for (int i = 0; wrong && i < BLOCK_WIDTH * BLOCK_HEIGHT; i++) {
+            float *value = at + i / BLOCK_WIDTH * stride + i % BLOCK_WIDTH;
+            *value = is_depth(*value) ? *value : DEPTH_EMPTY;
+        }
+        if (wrong) {
+            *range = mns_smooth_range(&depth->plane, bx, by);
+        }
+    }
+}
+
 mns_result mns_cpu_smooth(struct backend *cpu, const struct frame *frame)
 {
     cpu->smoothed = &cpu->depth_raw;
+    cpu_run(cpu, enter_row, cpu->smoothed, cpu->smoothed->blocks_y);
     filter_function *filter = filters[frame->params.filter];
     if (!filter) {
         return MNS_OK;

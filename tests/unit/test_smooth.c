@@ -8,6 +8,8 @@
 
 #include "smooth_test.h"
 
+#include <float.h>
+
 /* [TY18] as printed, in double precision with its negative z: eq. 2, 4, 6 or 3, 7 to 9, along one line; samples outside the line drop
  * their pair. sigma is exact, cut and its subtracted weight are ours. */
 static double paper_line(const struct mns_params *params, double sigma, const double *z, int i, int count)
@@ -476,44 +478,93 @@ static void test_fluid_at_the_lens(void **state)
     }
 }
 
-/* Depths at the ends of float and none, here and there or everywhere. Splats give no NaN. */
+/* All that a float can be, here and there among depths. */
 static float broken(const struct fixture *fixture, int x, int y)
 {
     (void)fixture;
     switch ((x * 7 + y * 13) % 41) {
+    case 0: return NAN;
     case 1: return INFINITY;
     case 2: return 1e-42f;
     case 3: return DEPTH_EMPTY;
     case 4: return 1e35f;
     case 5: return 1e-20f;
+    case 6: return 9.9e36f;
+    case 7: return FLT_MAX;
+    case 8: return -1;
+    case 9: return -INFINITY;
     default: return MIDDLE + R * uniform();
     }
 }
 
-/* What is no fluid stays what it was, and no fluid becomes anything else. */
+/* Depths at their ends only, whose sums and differences are the largest. */
+static float huge(const struct fixture *fixture, int x, int y)
+{
+    (void)fixture;
+    return (x + y) % 3 ? 9.9e36f : 5e36f;
+}
+
+static float not_a_number(const struct fixture *fixture, int x, int y)
+{
+    (void)fixture;
+    return x == 0 && y == 0 ? MIDDLE : NAN;
+}
+
+static bool is_fluid(float depth) { return depth > 0 && depth < DEPTH_LIMIT; }
+
+/* What is no depth is empty, what is empty stays so, and no fluid becomes anything else. */
 static void test_no_filter_spreads_what_is_no_depth(void **state)
 {
     (void)state;
-    static depth_function *const scenes[] = {broken, empty};
-    for (int filter = MNS_FILTER_NARROW_RANGE; filter <= MNS_FILTER_SMOOTHING_SPLINE; filter++) {
+    static depth_function *const scenes[] = {broken, huge, not_a_number, empty};
+    for (size_t i = 0; i < FILTERS * 4; i++) {
         for (int isa = MNS_ISA_SCALAR; isa <= MNS_ISA_NEON; isa++) {
-            for (int i = 0; i < 2 && mns_kernels_get((enum mns_isa)isa); i++) {
-                struct fixture *fixture = fixture_create(70, 45, (enum mns_isa)isa, 1);
-                fixture->frame.params.filter = filter;
-                fill(fixture, scenes[i]);
-                const struct depth_plane *raw = &fixture->cpu.depth_raw, *result = run(fixture);
-                for (int y = 0; y < 45; y++) {
-                    for (int x = 0; x < 70; x++) {
-                        float before = *pixel(raw, x, y), after = *pixel(result, x, y);
-                        bool fluid = before > 0 && before < DEPTH_LIMIT;
-                        if (fluid ? !(after > 0 && after < DEPTH_LIMIT) : memcmp(&before, &after, sizeof(before)) != 0) {
-                            fail_msg("filter %d, instruction set %d: %g became %g at %d, %d", filter, isa, (double)before, (double)after, x,
-                                     y);
-                        }
+            if (!mns_kernels_get((enum mns_isa)isa)) {
+                continue;
+            }
+            struct fixture *fixture = fixture_create(70, 45, (enum mns_isa)isa, 1);
+            fixture->frame.params.filter = all_filters[i / 4];
+            fill(fixture, scenes[i % 4]);
+            const struct depth_plane *result = run(fixture);
+            test_random = 7; /* as when they were filled */
+            for (int y = 0; y < 45; y++) {
+                for (int x = 0; x < 70; x++) {
+                    float before = scenes[i % 4](fixture, x, y), after = *pixel(result, x, y);
+                    if (is_fluid(before) ? !is_fluid(after) : !(after >= DEPTH_LIMIT && after <= DEPTH_EMPTY)) {
+                        fail_msg("filter %d, instruction set %d, scene %d: %g became %g at %d, %d", (int)all_filters[i / 4], isa,
+                                 (int)(i % 4), (double)before, (double)after, x, y);
                     }
                 }
-                fixture_destroy(fixture);
             }
+            fixture_destroy(fixture);
+        }
+    }
+}
+
+/* Kernels as wide as they get, over depths so large that a plain sum of them is infinite. */
+static void test_no_sum_of_depths_overflows(void **state)
+{
+    (void)state;
+    static const enum mns_filter lines[] = {MNS_FILTER_GAUSSIAN, MNS_FILTER_BILATERAL_1D, MNS_FILTER_NARROW_RANGE_1D};
+    for (int i = 0; i < 3; i++) {
+        for (int isa = MNS_ISA_SCALAR; isa <= MNS_ISA_NEON; isa++) {
+            if (!mns_kernels_get((enum mns_isa)isa)) {
+                continue;
+            }
+            struct fixture *fixture = fixture_create(300, 8, (enum mns_isa)isa, 1);
+            use_orthographic(fixture);
+            fixture->frame.params.filter = lines[i];
+            fixture->frame.params.sigma = 20;
+            fill(fixture, huge);
+            *pixel(&fixture->cpu.depth_raw, 150, 4) = 1;
+            fixture->cpu.depth_raw.ranges[150 / BLOCK_WIDTH].min = 1;
+            const struct depth_plane *result = run(fixture);
+            for (int x = 0; x < 300; x++) {
+                if (!is_fluid(*pixel(result, x, 4))) {
+                    fail_msg("filter %d, instruction set %d: %g at %d", (int)lines[i], isa, (double)*pixel(result, x, 4), x);
+                }
+            }
+            fixture_destroy(fixture);
         }
     }
 }
@@ -535,6 +586,7 @@ int main(void)
         cmocka_unit_test(test_planes_come_with_borders_and_ranges),
         cmocka_unit_test(test_fluid_at_the_lens),
         cmocka_unit_test(test_no_filter_spreads_what_is_no_depth),
+        cmocka_unit_test(test_no_sum_of_depths_overflows),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

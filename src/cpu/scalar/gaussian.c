@@ -5,12 +5,12 @@
 
 static float line_pixel(const struct window_filter *filter, const float *in, ptrdiff_t step, int axis)
 {
-    float sum = 0, weights = 1 - filter->weight_cut;
+    float sum = 0, weights = GAUSSIAN_PART * (1 - filter->weight_cut);
     int reach = window_reach(filter, axis, *in);
     struct gaussian g = gaussian_start(window_sigma(filter, axis, *in));
     for (ptrdiff_t i = 1; i <= reach; i++, gaussian_step(&g)) {
         const float pair[2] = {in[i * step], in[-i * step]};
-        float weight = pair[0] > 0 && pair[1] > 0 ? greater(g.weight - filter->weight_cut, 0) : 0;
+        float weight = pair[0] > 0 && pair[1] > 0 ? GAUSSIAN_PART * greater(g.weight - filter->weight_cut, 0) : 0;
         for (int side = 0; side < 2; side++) {
             if (pair[side] < DEPTH_LIMIT) {
                 sum += weight * (pair[side] - *in);

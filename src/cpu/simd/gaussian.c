@@ -18,9 +18,10 @@ SIMD void mean_add(struct mean *mean, vf weight, vm counts, vf sample, vf depth)
 SIMD vf line_pixels(const struct window_filter *filter, vf depth, const float *at, ptrdiff_t step, ptrdiff_t reach, int axis)
 {
     struct gaussian g = gaussian_start(exponent(filter, axis, depth));
-    struct mean mean = {vf_zero(), vf_set1(1.0f - filter->weight_cut)};
+    struct mean mean = {vf_zero(), vf_set1(GAUSSIAN_PART * (1.0f - filter->weight_cut))};
+    vf part = vf_set1(GAUSSIAN_PART), cut = vf_set1(-GAUSSIAN_PART * filter->weight_cut);
     for (ptrdiff_t tap = step; tap <= reach; tap += step, gaussian_step(&g)) {
-        vf a = vf_loadu(at + tap), b = vf_loadu(at - tap), weight = vf_max(g.weight - vf_set1(filter->weight_cut), vf_zero());
+        vf a = vf_loadu(at + tap), b = vf_loadu(at - tap), weight = vf_max(vf_fma(g.weight, part, cut), vf_zero());
         vm inside = vm_and(vf_gt(a, vf_zero()), vf_gt(b, vf_zero()));
         mean_add(&mean, weight, inside, a, depth);
         mean_add(&mean, weight, inside, b, depth);

@@ -13,6 +13,9 @@ struct gaussian_kernels {
     window_function *line;
 };
 
+/* Part of a weight that is summed: with it no sum of 2 * PLANE_BORDER depths below DEPTH_LIMIT overflows. A power of two, which changes no digit. */
+#define GAUSSIAN_PART 0.0625f
+
 extern const struct gaussian_kernels mns_gaussian_kernels_scalar, mns_gaussian_kernels_sse2, mns_gaussian_kernels_avx2,
     mns_gaussian_kernels_avx512, mns_gaussian_kernels_neon;
 
