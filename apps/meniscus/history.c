@@ -9,11 +9,16 @@
 /* Frames beyond the memory in seconds: a velocity and its change are told from two more. */
 enum { BEYOND = 2 };
 
-static double seconds_per_frame(const struct options *options) { return (double)options->fps[1] / options->fps[0]; }
+/* When the simulation was as a frame has it: as a .pvd tells, else by --fps. */
+static double time_of(const struct history *history, size_t input)
+{
+    const struct options *options = history->options;
+    return history->timed ? history->inputs->list[input].time : (double)input * options->fps[1] / options->fps[0];
+}
 
 int history_begin(struct history *history, const struct options *options, const struct inputs *inputs, const struct survey *survey)
 {
-    *history = (struct history){.options = options, .inputs = inputs, .params = options->params};
+    *history = (struct history){.options = options, .inputs = inputs, .params = options->params, .timed = inputs_timed(inputs)};
     if (options->params.foam == MNS_FOAM_NONE) {
         return STATUS_DONE;
     }
@@ -30,7 +35,11 @@ size_t history_depth(const struct history *history)
     if (!history->classifier || history->inputs->count < 2) {
         return 0;
     }
-    double frames = ceil(mns_classifier_memory(&history->params) / seconds_per_frame(history->options)) + BEYOND;
+    double step = INFINITY; /* the least */
+    for (size_t i = 1; i < history->inputs->count; i++) {
+        step = fmin(step, time_of(history, i) - time_of(history, i - 1));
+    }
+    double frames = ceil(mns_classifier_memory(&history->params) / step) + BEYOND;
     return frames < (double)history->inputs->count ? (size_t)frames : history->inputs->count;
 }
 
@@ -48,8 +57,7 @@ int history_step(struct history *history, size_t input, struct mns_particles *pa
         program_warn("%s: one frame without velocities tells of no foam; an attribute with the role velocity does, or the frame before",
                      name);
     }
-    double time = (double)input * seconds_per_frame(history->options);
-    if (mns_classifier_step(history->classifier, particles, time, &history->params) != MNS_OK) {
+    if (mns_classifier_step(history->classifier, particles, time_of(history, input), &history->params) != MNS_OK) {
         return program_fail("%s: %s", name, mns_classifier_message(history->classifier));
     }
     mns_classifier_attach(history->classifier, particles);

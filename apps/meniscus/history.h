@@ -13,6 +13,7 @@ struct history {
     struct mns_params params; /* with the fluid's size fixed */
     mns_classifier *classifier;
     size_t next; /* input */
+    bool timed;  /* the inputs tell their times */
 };
 
 /* survey: of the sequence; NULL: a single frame. Returns a status; on failure it was told why. history_end may always be called. */

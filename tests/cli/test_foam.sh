@@ -61,6 +61,24 @@ warns 'one frame without velocities' render bare/f_1.csv -o one.png $small --foa
 ok render bare/f_1.csv -o one.png $small --foam layered --quiet
 ok render in/f_3.csv -o one.png $small --foam noise
 
+# The time between frames is that of a .pvd, else 1 / fps.
+{
+    echo '<VTKFile type="Collection"><Collection>'
+    for n in 1 2 3; do
+        "$program" convert bare/f_$n.csv -o timed_$n.vtp || exit 1
+        echo "<DataSet timestep=\"$n\" file=\"timed_$n.vtp\"/>"
+    done
+    echo '</Collection></VTKFile>'
+} >timed.pvd
+fast="--foam layered --set foam_weber_low=1e-5 --set foam_weber_high=1e-3 --set foam_air=0"
+ok render timed.pvd -o timed_%d.png $small $fast
+ok render timed.pvd -o again_%d.png $small $fast --fps 1000
+cmp -s timed_3.png again_3.png || complain "--fps changes the times of a .pvd"
+ok render bare -o slow_%d.png $small $fast --fps 1
+ok render bare -o fast_%d.png $small $fast --fps 1000
+cmp -s slow_3.png fast_3.png && complain "--fps changes no velocities"
+cmp -s slow_3.png timed_3.png || complain "one frame a second is not --fps 1"
+
 # A line for each thing that is wrong, once for all frames.
 bad() # bad WORDS AWK: frame 2 of three is changed
 {
