@@ -28,6 +28,10 @@ int program_renderer(mns_renderer **out, const struct options *options)
     params.isa = options->isa;
     params.threads = options->threads;
     params.log = program_log(options);
+    for (size_t i = 0; i < options->layer_count; i++) {
+        enum mns_layer layer = options->layers[i].layer;
+        params.passes |= layer == MNS_LAYER_VELOCITY || layer == MNS_LAYER_MOTION || layer == MNS_LAYER_ID;
+    }
     return mns_renderer_create(out, &params, &message) == MNS_OK ? STATUS_DONE : program_fail("%s", message.text);
 }
 

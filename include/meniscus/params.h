@@ -140,6 +140,7 @@ struct mns_params {
     float environment_rotation;  /* degrees about the up axis */
     float environment_intensity; /* times the environment's light */
     float exposure;              /* EV: the picture times 2^exposure */
+    float motion_time;           /* s: what layer motion shows the way of */
     int tone_map;                /* enum mns_tone_map: of 8- and 16-bit pictures; float32 stays linear */
 
     /* Foam. */

@@ -45,6 +45,7 @@ struct mns_renderer_params {
     struct mns_allocator allocator; /* default: the C library's; kept until destroy */
     struct mns_log log;             /* default: none; kept until destroy */
     struct mns_parallel parallel;   /* default: the renderer's own threads; kept until destroy */
+    int passes;                     /* 1: prepare keeps velocities and ids, for the layers velocity, motion and id. Default 0 */
 };
 
 MNS_API void mns_renderer_params_init_sized(struct mns_renderer_params *params, size_t size);
@@ -84,11 +85,17 @@ enum mns_layer {
     MNS_LAYER_FOAM_FRONT_THICKNESS = 15, /* [h][w] metres: of the foam within foam_range of its depth: T_ff */
     MNS_LAYER_THICKNESS_FRONT = 16,      /* [h][w] metres: of the water before the foam, T_wf; 0 where there is no foam */
     MNS_LAYER_THICKNESS_BACK = 17,       /* [h][w] metres: of the water behind it, T_wb; thickness_front + thickness_back = thickness */
-    MNS_LAYER_COUNT = 18
+    MNS_LAYER_VELOCITY =
+        18, /* [h][w][3] m/s, world space: of the particle that the pixel's ray meets first; 0 outside, and where there are none */
+    MNS_LAYER_MOTION =
+        19, /* [h][w][2] pixels, right and down, that it moves in params.motion_time before a camera that stands still; 0 outside */
+    MNS_LAYER_ID = 20,       /* [h][w] its id, else its index, as a float32: exact up to 2^24; -1 outside */
+    MNS_LAYER_POSITION = 21, /* [h][w][3] metres, world space: of the smoothed surface; 0 outside */
+    MNS_LAYER_COUNT = 22
 };
 
 MNS_API const char *mns_layer_name(enum mns_layer layer);                 /* "depth_raw"; NULL for an unknown value */
-MNS_API int mns_layer_channels(enum mns_layer layer);                     /* 1, 3 or 4; 0 for an unknown value */
+MNS_API int mns_layer_channels(enum mns_layer layer);                     /* 1 to 4; 0 for an unknown value */
 MNS_API mns_result mns_layer_find(const char *name, enum mns_layer *out); /* by name */
 
 /* A layer and where it goes. Beauty and scene_color take every pixel type; beauty takes 3 channels too (alpha dropped); the rest

@@ -15,6 +15,7 @@ enum stage {
     STAGE_BLUR,   /* thickness_raw -> thickness, color */
     STAGE_FOAM,   /* foam and water before it, thickness_raw -> foam_depth, foam_thickness, foam_front_thickness, thickness_front */
     STAGE_SHADE,  /* depth, thickness, color, scene -> normal, curvature, transmittance, alpha, beauty */
+    STAGE_PASSES, /* chunks per tile, depth -> velocity, motion, id, position; free where none is asked for */
     STAGE_COUNT
 };
 
@@ -27,6 +28,7 @@ struct backend_host {
     struct mns_log log;
     struct mns_parallel parallel; /* always set */
     int threads;                  /* jobs to hand to parallel.run */
+    bool passes;                  /* velocities and ids are kept */
     struct mns_message *message;  /* of the renderer: mns_fail(host->message, ...) */
 };
 

@@ -24,7 +24,7 @@ struct particle_facts {
     double origin[3];                   /* of the stored coordinates, world space */
     float bounds_min[3], bounds_max[3]; /* relative to origin */
     size_t count;
-    bool has_radius, has_mass, has_color;
+    bool has_radius, has_mass, has_color, keeps_passes;
     double spacing, radius;  /* estimated spacing; median or estimated radius; metres */
     double radius_cubed_sum; /* of given radii */
     double mass_sum;

@@ -8,11 +8,28 @@ static const struct {
     const char *name;
     int channels;
 } layers[MNS_LAYER_COUNT] = {
-    {"beauty", 4},          {"depth_raw", 1},      {"depth", 1},          {"thickness_raw", 1},
-    {"thickness", 1},       {"normal", 3},         {"curvature", 1},      {"color", 3},
-    {"transmittance", 3},   {"alpha", 1},          {"scene_color", 3},    {"scene_depth", 1},
-    {"noise", 1},           {"foam_depth", 1},     {"foam_thickness", 1}, {"foam_front_thickness", 1},
-    {"thickness_front", 1}, {"thickness_back", 1},
+    {"beauty", 4},
+    {"depth_raw", 1},
+    {"depth", 1},
+    {"thickness_raw", 1},
+    {"thickness", 1},
+    {"normal", 3},
+    {"curvature", 1},
+    {"color", 3},
+    {"transmittance", 3},
+    {"alpha", 1},
+    {"scene_color", 3},
+    {"scene_depth", 1},
+    {"noise", 1},
+    {"foam_depth", 1},
+    {"foam_thickness", 1},
+    {"foam_front_thickness", 1},
+    {"thickness_front", 1},
+    {"thickness_back", 1},
+    {"velocity", 3},
+    {"motion", 2},
+    {"id", 1},
+    {"position", 3},
 };
 
 const char *mns_layer_name(enum mns_layer layer) { return (unsigned)layer < MNS_LAYER_COUNT ? layers[layer].name : NULL; }

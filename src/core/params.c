@@ -133,6 +133,7 @@ static const struct mns_param table[] = {
     {FLOAT(environment_rotation, -360, 360, 0), .unit = "deg", .group = "scene", .help = "turns the environment about the up axis"},
     {FLOAT(environment_intensity, 0, 1000, 1), .unit = "", .group = "scene", .help = "scales the environment's light"},
     {FLOAT(exposure, -20, 20, 0), .unit = "EV", .group = "scene", .help = "the picture's light times 2^exposure"},
+    {FLOAT(motion_time, 0, 1e12, 1.0 / 24), .unit = "s", .group = "scene", .help = "the time in which the layer motion moves: one frame's"},
     {ENUM(tone_map, tone_maps, MNS_TONE_MAP_NONE), .unit = "", .group = "scene",
      .help = "how light beyond white becomes a colour, in 8- and 16-bit pictures; float32 stays linear"},
 

@@ -9,7 +9,7 @@
 
 enum { THREADS_MAX = 1024 };
 
-const char *const mns_stage_names[STAGE_COUNT] = {"scene", "bin", "splat", "smooth", "noise", "blur", "foam", "shade"};
+const char *const mns_stage_names[STAGE_COUNT] = {"scene", "bin", "splat", "smooth", "noise", "blur", "foam", "shade", "passes"};
 
 struct mns_renderer {
     struct memory memory;
@@ -93,6 +93,7 @@ mns_result mns_renderer_create(mns_renderer **out, const struct mns_renderer_par
                                            .log = wanted.log,
                                            .parallel = wanted.parallel,
                                            .threads = wanted.threads,
+                                           .passes = wanted.passes != 0,
                                            .message = &renderer->message};
     if (!wanted.parallel.run) {
         renderer->pool = mns_pool_create(wanted.threads, &wanted.allocator);

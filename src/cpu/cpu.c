@@ -59,8 +59,8 @@ static mns_result prepare(struct backend *cpu, const struct mns_particles *parti
                           struct particle_facts *facts)
 {
     cpu->generation++;
-    mns_result result = mns_particle_stores_fill(cpu->stores, cpu->host.memory, &cpu->host.parallel, cpu->host.threads, particles, measure,
-                                                 cpu->host.message);
+    mns_result result = mns_particle_stores_fill(cpu->stores, cpu->host.memory, &cpu->host.parallel, cpu->host.threads, particles, cpu->host.passes,
+                                                 measure, cpu->host.message);
     *facts = cpu->stores[STORE_WATER].facts;
     return result;
 }
@@ -90,7 +90,8 @@ const struct backend_functions mns_backend_cpu = {
                [STAGE_NOISE] = mns_cpu_noise,
                [STAGE_BLUR] = mns_cpu_blur,
                [STAGE_FOAM] = mns_cpu_foam,
-               [STAGE_SHADE] = mns_cpu_shade},
+               [STAGE_SHADE] = mns_cpu_shade,
+               [STAGE_PASSES] = mns_cpu_passes},
     .light = mns_cpu_light,
     .stats = stats,
 };

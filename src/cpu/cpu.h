@@ -68,6 +68,7 @@ mns_result mns_cpu_noise(struct backend *cpu, const struct frame *frame);
 mns_result mns_cpu_blur(struct backend *cpu, const struct frame *frame);
 mns_result mns_cpu_foam(struct backend *cpu, const struct frame *frame);
 mns_result mns_cpu_shade(struct backend *cpu, const struct frame *frame);
+mns_result mns_cpu_passes(struct backend *cpu, const struct frame *frame);
 
 /* Chunks of a store per tile, its radii `larger` times as large, in cpu->tiles[kind]. */
 mns_result mns_cpu_bin_store(struct backend *cpu, const struct frame *frame, enum store_kind kind, float larger);

@@ -198,7 +198,7 @@ mns_result mns_particles_measure(const struct mns_particles *particles, const st
     struct particle_store stores[STORE_KINDS] = {{0}};
     struct mns_particles whole = *particles;
     whole.water.data = whole.foam.data = whole.spray.data = NULL; /* what they are drawn as changes no measure */
-    mns_result result = mns_particle_stores_fill(stores, &memory, &parallel, 1, &whole, out, message);
+    mns_result result = mns_particle_stores_fill(stores, &memory, &parallel, 1, &whole, false, out, message);
     mns_particle_store_free(&stores[STORE_WATER], &memory);
     return result;
 }

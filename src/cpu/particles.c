@@ -448,7 +448,7 @@ static struct fill begin_fill(const struct mns_particles *particles, const struc
 }
 
 mns_result mns_particle_stores_fill(struct particle_store stores[STORE_KINDS], struct memory *memory, const struct mns_parallel *parallel,
-                                    int threads, const struct mns_particles *particles, struct mns_measure *measure,
+                                    int threads, const struct mns_particles *particles, bool passes, struct mns_measure *measure,
                                     struct mns_message *message)
 {
     free_stores(stores, memory);
@@ -461,6 +461,7 @@ mns_result mns_particle_stores_fill(struct particle_store stores[STORE_KINDS], s
     fill.facts.has_radius = particles->radius.data != NULL;
     fill.facts.has_mass = particles->mass.data != NULL;
     fill.facts.has_color = particles->color.data != NULL;
+    fill.facts.keeps_passes = passes;
     measure_bounds(&fill, measure);
     if (fill.count == 0) {
         return MNS_OK;

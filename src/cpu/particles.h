@@ -25,8 +25,9 @@ struct particle_store {
     float *shape[6];    /* water: xx, yy, zz, xy, xz, yz of A, world space, or NULL: spheres */
     float *age;         /* foam: 0 to 1, or NULL: all 0 */
     float *opacity;     /* spray: 0 to 1 */
-    float *velocity[3]; /* spray: m/s, world space, or NULL */
+    float *velocity[3]; /* spray, and water that keeps passes: m/s, world space, or NULL */
     float *noise;       /* water: amplitude, 0 to 1, or NULL: all 1 */
+    float *id;          /* water that keeps passes: its id, else its index; else NULL */
     float *seed;        /* a whole number under 2^24 for each particle, by its id, else its index */
     /* Boxes of the chunks' centres, the largest radius, the largest factor and a bound on the longest semi-axis of A in each (0 when there are
      * none). [chunk_count rounded up to 16] */
@@ -34,9 +35,9 @@ struct particle_store {
     struct particle_facts facts; /* of the whole set, whatever the store holds of it */
 };
 
-/* Copies and orders a set. Fills measure and the stores' facts. On failure all are empty. */
+/* Copies and orders a set. passes: the water keeps velocities and ids. Fills measure and the stores' facts. On failure all are empty. */
 mns_result mns_particle_stores_fill(struct particle_store stores[STORE_KINDS], struct memory *memory, const struct mns_parallel *parallel,
-                                    int threads, const struct mns_particles *particles, struct mns_measure *measure,
+                                    int threads, const struct mns_particles *particles, bool passes, struct mns_measure *measure,
                                     struct mns_message *message);
 
 /* Puts diffuse particles in the place of those that there are. *dropped: whose positions are not finite. On failure there are none. */

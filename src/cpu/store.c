@@ -8,7 +8,7 @@
 /* Radius of a diffuse particle that brings none, over the fluid's: FoamGenerator and its like sow many for each particle of the fluid. */
 static const float DIFFUSE_RADIUS = 0.5f;
 
-enum { ARRAYS = 23, BOXES = 9 };
+enum { ARRAYS = 24, BOXES = 9 };
 
 struct fill {
     struct particle_store *store;
@@ -22,29 +22,11 @@ static size_t padded_chunks(size_t chunks) { return (chunks + 15) / 16 * 16; }
 
 static void list_arrays(struct particle_store *store, float **out[ARRAYS])
 {
-    float **const arrays[ARRAYS] = {&store->x,
-                                    &store->y,
-                                    &store->z,
-                                    &store->radius,
-                                    &store->factor,
-                                    &store->mass,
-                                    &store->color[0],
-                                    &store->color[1],
-                                    &store->color[2],
-                                    &store->age,
-                                    &store->opacity,
-                                    &store->velocity[0],
-                                    &store->velocity[1],
-                                    &store->velocity[2],
-                                    &store->seed,
-                                    &store->shape[0],
-                                    &store->shape[1],
-                                    &store->shape[2],
-                                    &store->shape[3],
-                                    &store->shape[4],
-                                    &store->shape[5],
-                                    &store->noise,
-                                    NULL};
+    float **const arrays[ARRAYS] = {
+        &store->x,           &store->y,           &store->z,        &store->radius,   &store->factor,   &store->mass,
+        &store->color[0],    &store->color[1],    &store->color[2], &store->age,      &store->opacity,  &store->velocity[0],
+        &store->velocity[1], &store->velocity[2], &store->seed,     &store->shape[0], &store->shape[1], &store->shape[2],
+        &store->shape[3],    &store->shape[4],    &store->shape[5], &store->noise,    &store->id,       NULL};
     memcpy(out, arrays, sizeof(arrays));
 }
 
@@ -74,7 +56,8 @@ static void list_wanted(const struct particle_store *store, const struct store_s
 {
     const struct mns_particles *in = source->particles;
     bool water = source->kind == STORE_WATER, foam = source->kind == STORE_FOAM, spray = source->kind == STORE_SPRAY;
-    bool color = water && in->color.data, shape = water && in->shape.data, velocity = spray && (store->velocity[0] || in->velocity.data);
+    bool color = water && in->color.data, shape = water && in->shape.data, keeps = water && store->facts.keeps_passes;
+    bool velocity = (spray && (store->velocity[0] || in->velocity.data)) || (keeps && in->velocity.data);
     const bool wanted[ARRAYS] = {true,
                                  true,
                                  true,
@@ -96,7 +79,8 @@ static void list_wanted(const struct particle_store *store, const struct store_s
                                  shape,
                                  shape,
                                  shape,
-                                 water && in->noise.data};
+                                 water && in->noise.data,
+                                 keeps};
     memcpy(out, wanted, sizeof(wanted));
 }
 
@@ -197,6 +181,9 @@ static void gather_rest(const struct fill *fill, size_t place, size_t i)
     if (store->noise) {
         store->noise[place] = unit_value(&in->noise, i, 1);
     }
+    if (store->id) {
+        store->id[place] = in->id.data ? (float)mns_attr_get(&in->id, in->id.type, 1, i, 0) : (float)i;
+    }
     for (int k = 0; k < 6 && store->shape[k]; k++) {
         store->shape[k][place] = (float)mns_attr_get(&in->shape, in->shape.type, 6, i, k);
     }
@@ -205,7 +192,7 @@ static void gather_rest(const struct fill *fill, size_t place, size_t i)
 /* Whether gather_rest has anything to do: of most sets it has not. */
 static bool has_rest(const struct particle_store *store)
 {
-    return store->radius || store->factor || store->mass || store->color[0] || store->shape[0] || store->noise;
+    return store->radius || store->factor || store->mass || store->color[0] || store->shape[0] || store->noise || store->id;
 }
 
 /* Copies one chunk's particles to their places; what of the chunk was there before, or is past the end, stays. */

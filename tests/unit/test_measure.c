@@ -115,8 +115,8 @@ static void test_store_keeps_every_particle_in_tight_chunks_whatever_the_threads
     const struct mns_parallel parallel = {.run = run_backwards};
     struct particle_store stores[2][STORE_KINDS] = {{{0}}};
     struct mns_measure measure;
-    assert_int_equal(mns_particle_stores_fill(stores[0], &memory, &parallel, 1, &particles, &measure, NULL), MNS_OK);
-    assert_int_equal(mns_particle_stores_fill(stores[1], &memory, &parallel, 7, &particles, &measure, NULL), MNS_OK);
+    assert_int_equal(mns_particle_stores_fill(stores[0], &memory, &parallel, 1, &particles, false, &measure, NULL), MNS_OK);
+    assert_int_equal(mns_particle_stores_fill(stores[1], &memory, &parallel, 7, &particles, false, &measure, NULL), MNS_OK);
     struct particle_store one = stores[0][STORE_WATER], seven = stores[1][STORE_WATER];
     assert_int_equal(one.count, COUNT);
     assert_memory_equal(one.x, seven.x, COUNT * sizeof(float));

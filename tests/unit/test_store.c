@@ -59,7 +59,7 @@ static struct mns_attr scalars(const float *values) { return (struct mns_attr){.
 
 static void fill(int threads)
 {
-    assert_int_equal(mns_particle_stores_fill(set.stores, &set.memory, &set.parallel, threads, &set.particles, &set.measure, NULL), MNS_OK);
+    assert_int_equal(mns_particle_stores_fill(set.stores, &set.memory, &set.parallel, threads, &set.particles, false, &set.measure, NULL), MNS_OK);
 }
 
 static void close_set(void)
