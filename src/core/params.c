@@ -170,7 +170,7 @@ static const struct mns_param table[] = {
     {FLOAT(noise_calm, 0, 1, 0.3), .unit = "", .group = "foam",
      .help = "noise without such a change, of particles with the Weber number foam_weber_high; less where they are slower"},
 
-    {FLOAT(foam_radius, 0.05, 10, 1.6), .unit = "r", .group = "foam",
+    {FLOAT(foam_radius, 0.05, 10, 1.4), .unit = "r", .group = "foam",
      .help = "layered: splat radius of a foam particle full-grown; its volume is that of its water"},
     {FLOAT(foam_extinction, 0, 1000, 0.6), .unit = "1/r", .group = "foam",
      .help = "layered: how fast foam hides what is behind it ([BSW10] eq. 8)"},
