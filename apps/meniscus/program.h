@@ -35,6 +35,10 @@ int program_stopped(void); /* tells of the signal and returns its status */
 bool program_error_is_terminal(void);
 bool program_output_is_terminal(void);
 
+/* Keeps large blocks out of the C library's heaps, which otherwise grow with the length of a sequence: frames are read by one thread, freed by another,
+ * and differ in size, which leaves holes. */
+void program_steady_memory(void);
+
 /* Largest memory the process held, in bytes; 0: unknown. */
 double program_peak_memory(void);
 

@@ -161,6 +161,9 @@ static int reach(struct render *render, const struct shot *shot)
         render->there = NULL;
         render->fresh = true;
         status = render->here ? STATUS_DONE : pull(render, &render->here);
+        if (status == STATUS_DONE && !render->here) {
+            return program_fail("%s: was not read", render->inputs.list[shot->input].path); /* the plan needs what no one read */
+        }
     }
     if (status == STATUS_DONE && !render->there && shot_moves(shot, render->options) && shot->input + 1 < render->inputs.count) {
         status = pull(render, &render->there);
@@ -262,6 +265,7 @@ int command_render(struct options *options)
 {
     struct render render = {.options = options};
     program_catch_interrupts();
+    program_steady_memory();
     int status = begin(&render, options);
     if (status == STATUS_DONE) {
         status = finish(&render, render_frames(&render));
