@@ -74,40 +74,45 @@ static bool take_view(struct options *options, const char *path, const cJSON *js
            (!viewport || take_viewport(options, path, viewport));
 }
 
-/* One key: a camera on top of the command line's. */
-static bool take_key(struct camera_key *key, const struct camera_options *given, const char *path, const cJSON *item)
+/* One key: a camera on top of the command line's. name: of the array. */
+static bool take_key(struct camera_key *key, const struct options *options, const char *path, const char *name, const cJSON *item)
 {
-    bool has_frame = false;
-    key->camera = *given;
-    if (!json_numbers(path, item, "frame", 1, &key->frame, &has_frame) || !take_camera(&key->camera, path, item)) {
+    bool has_frame = options->keys_by_index;
+    key->camera = options->camera;
+    key->frame = (double)options->key_count;
+    if (!has_frame && !json_numbers(path, item, "frame", 1, &key->frame, &has_frame)) {
+        return false;
+    }
+    if (!take_camera(&key->camera, path, item)) {
         return false;
     }
     if (!has_frame || !key->camera.has_eye || !key->camera.has_target) {
-        program_fail("%s: each of \"keys\" must have a \"frame\", an \"eye\" and a \"target\"", path);
+        program_fail("%s: each of \"%s\" must have %san \"eye\" and a \"target\"", path, name,
+                     options->keys_by_index ? "" : "a \"frame\", ");
         return false;
     }
     return true;
 }
 
-static bool take_keys(struct options *options, const char *path, const cJSON *keys)
+static bool take_keys(struct options *options, const char *path, const char *name, const cJSON *keys)
 {
     int count = cJSON_IsArray(keys) ? cJSON_GetArraySize(keys) : 0;
     options->keys = count > 0 ? calloc((size_t)count, sizeof(*options->keys)) : NULL;
     if (!options->keys) {
-        program_fail("%s: \"keys\" must be an array of cameras", path);
+        program_fail("%s: \"%s\" must be an array of cameras", path, name);
         return false;
     }
     const cJSON *item;
     cJSON_ArrayForEach(item, keys)
     {
         struct camera_key *key = &options->keys[options->key_count];
-        if (!take_key(key, &options->camera, path, item)) {
+        if (!take_key(key, options, path, name, item)) {
             return false;
         }
         const struct camera_key *before = options->key_count ? key - 1 : NULL;
         if (before && (key->frame <= before->frame || key->camera.has_up != before->camera.has_up ||
                        (key->camera.orthographic > 0) != (before->camera.orthographic > 0))) {
-            program_fail("%s: \"keys\" must have rising frames, and all or none of them \"up\" and \"orthographic\"", path);
+            program_fail("%s: \"%s\" must have rising frames, and all or none of them \"up\" and \"orthographic\"", path, name);
             return false;
         }
         options->key_count++;
@@ -118,8 +123,16 @@ static bool take_keys(struct options *options, const char *path, const cJSON *ke
 int view_read_camera(struct options *options, const char *path)
 {
     cJSON *json = json_read(path);
-    const cJSON *keys = cJSON_GetObjectItemCaseSensitive(json, "keys");
-    bool good = json && (keys ? take_keys(options, path, keys) : take_view(options, path, json));
+    const cJSON *keys = cJSON_GetObjectItemCaseSensitive(json, "keys"), *frames = cJSON_GetObjectItemCaseSensitive(json, "frames");
+    bool good = json != NULL;
+    if (frames) {
+        options->keys_by_index = true;
+        good = take_keys(options, path, "frames", frames);
+    } else if (keys) {
+        good = take_keys(options, path, "keys", keys);
+    } else if (json) {
+        good = take_view(options, path, json);
+    }
     cJSON_Delete(json);
     return good ? STATUS_DONE : STATUS_FAILED;
 }

@@ -371,7 +371,8 @@ const struct option_row option_table[] = {
     {"--orthographic", 0, "HEIGHT", DRAWS, NULL, set_orthographic, "parallel projection of this height in metres"},
     {"--orbit", 0, "DEG", DRAWS, NULL, set_orbit, "turn the camera about the up axis by so many degrees per frame"},
     {"--camera", 0, "FILE.json", DRAWS, NULL, set_camera,
-     "a camera (eye, target, up, fov, orthographic, near, far), or \"keys\": cameras with a frame each; options go before it"},
+     "a camera (eye, target, up, fov, orthographic, near, far), \"keys\": cameras with a frame each, or \"frames\": a camera per frame; "
+     "options go before it"},
     {"--up-axis", 0, "AXIS", DRAWS, "up_axis", NULL, "x, y or z: which world axis is up (y)"},
 
     {"--radius", 0, "R", DRAWS, "radius", NULL, "particle radius, half the rest spacing (from the file, else estimated)"},

@@ -74,6 +74,7 @@ struct options {
     const char *camera_file;
     struct camera_key *keys; /* [key_count], by rising frame; from the camera file */
     size_t key_count;
+    bool keys_by_index; /* their frames are places in the input, from 0, and not numbers */
 
     struct color_options color;
 

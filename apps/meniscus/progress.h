@@ -14,7 +14,8 @@ struct progress {
 /* Nothing is shown unless standard error is a terminal and there is more than one thing to do. */
 void progress_begin(struct progress *progress, size_t total, bool quiet);
 void progress_step(struct progress *progress, const char *what);
-void progress_skip(struct progress *progress, size_t count); /* those that are done already */
-void progress_clear(void);                                   /* takes the bar away, for a line of text or at the end */
+void progress_stage(const struct progress *progress, const char *stage, const char *what); /* "drawing" a frame */
+void progress_skip(struct progress *progress, size_t count);                               /* those that are done already */
+void progress_clear(void); /* takes the bar away, for a line of text or at the end */
 
 #endif

@@ -139,6 +139,7 @@ static int fail_frame(struct render *render, const struct source_frame *frame)
 /* The next frame from the source, with its news told. */
 static int pull(struct render *render, struct source_frame **out)
 {
+    progress_stage(&render->progress, "reading", "");
     struct source_frame *frame = *out = source_next(render->source);
     if (!frame) {
         return STATUS_DONE;
@@ -182,12 +183,15 @@ static int render_shot(struct render *render, const struct shot *shot)
         render->lost++;
         return STATUS_DONE;
     }
+    const char *path = render->inputs.list[shot->input].path;
+    progress_stage(&render->progress, "writing", path);
     struct picture *picture = sink_take(render->sink);
     if (!picture) {
         return STATUS_FAILED;
     }
     picture->number = shot->number;
-    picture->input = render->inputs.list[shot->input].path;
+    picture->input = path;
+    progress_stage(&render->progress, "drawing", path);
     picture->times.read_ms = render->here->read_ms;
     status = shoot(&render->shooting, shot, &render->here->particles, moves && render->there ? &render->there->particles : NULL,
                    render->fresh, picture, render->outputs.count);
@@ -222,6 +226,7 @@ static int stream(struct render *render)
         status = render_shot(render, &render->plan.shots[render->next]);
         render->next += status == STATUS_DONE;
     }
+    progress_stage(&render->progress, "writing", "");
     sink_stop(render->sink);
     shoot_end(&render->shooting);
     source_stop(render->source);

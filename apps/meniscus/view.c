@@ -93,7 +93,8 @@ static struct camera_options camera_at(const struct camera_key *keys, size_t cou
 
 int view_camera(struct mns_camera *camera, const struct options *options, const struct survey *survey, double index, double number)
 {
-    struct camera_options chosen = options->key_count ? camera_at(options->keys, options->key_count, number) : options->camera;
+    struct camera_options chosen =
+        options->key_count ? camera_at(options->keys, options->key_count, options->keys_by_index ? index : number) : options->camera;
     chosen.orbit = options->camera.orbit;
     const struct camera_options *wanted = &chosen;
     int up_axis = options->params.up_axis;

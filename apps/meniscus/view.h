@@ -9,8 +9,8 @@
 int view_camera(struct mns_camera *camera, const struct options *options, const struct survey *survey, double index, double number);
 
 /* Takes from a camera file what the command line leaves open: an object with eye, target, up [3], fov (or vfov_deg), orthographic,
- * near, far; they may stand in a member "camera", beside "viewport" {width, height}. Or it has "keys", such objects with a "frame" each.
- * Returns a status. */
+ * near, far; they may stand in a member "camera", beside "viewport" {width, height}. Or it has "keys", such objects with a "frame" each,
+ * or "frames", one for each frame of the input. Returns a status. */
 int view_read_camera(struct options *options, const char *path);
 
 /* An input that is a case file (.json): a camera file that also names "particles_file", beside it, and may give its "spacing" in metres.

@@ -94,6 +94,15 @@ ok render key_%d.npz -o fix_%d.png $small --eye 0,2,4 --target 0,0.4,0
 cmp -s key_1.png fix_1.png || complain "the first key's camera is not what its options are"
 cmp -s key_2.png key_1.png && complain "the camera stands still between keys"
 cmp -s key_3.png key_4.png || complain "the camera moves behind the last key"
+# A camera per frame, by the order of the frames, whatever their numbers: the same cameras give the same pictures.
+printf '{"frames": [{"eye": [0, 2, 4], "target": [0, 0.4, 0]}, {"eye": [1, 2, 3.5], "target": [0, 0.4, 0]}, {"eye": [0, 2, 4], "target": [0, 0.4, 0]}]}' >each.json
+ok render key_%d.npz -o each_%d.png $small --camera each.json
+cmp -s each_1.png fix_1.png || complain "the first frame's camera is not what its options are"
+cmp -s each_2.png fix_2.png && complain "the second frame has the first one's camera"
+cmp -s each_3.png fix_3.png || complain "the third frame's camera is not what its options are"
+cmp -s each_4.png fix_4.png || complain "a frame behind the last camera does not keep it"
+printf '{"frames": [{"eye": [0, 2, 4]}]}' >bad.json
+refuses 1 'each of "frames" must have an "eye" and a "target"' render in.npz -o no.png --camera bad.json
 printf '{"keys": [{"frame": 1, "eye": [0, 2, 4]}]}' >bad.json
 refuses 1 'must have a "frame", an "eye" and a "target"' render in.npz -o no.png --camera bad.json
 printf '{"keys": [3]}' >bad.json
