@@ -160,7 +160,7 @@ struct mns_params {
     float spray_high;       /* the same, from which on it is no spray */
     float noise_tau;        /* m/s: change of velocity between frames that makes noise, [LGS09] eq. 12; -1 (auto) */
     float noise_cooldown;   /* s until that noise is gone; -1 (auto) */
-    float noise_calm;       /* noise of particles as fast as foam_weber_high says, with no such change */
+    float noise_calm;       /* noise of particles as fast as foam_weber_low says, with no such change */
 
     /* Layered foam: [BSW10] 5.2 and 5.3. */
     float foam_radius;           /* r: splat radius of foam full-grown; its volume is that of the particle's water */

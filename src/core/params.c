@@ -168,7 +168,7 @@ static const struct mns_param table[] = {
     {FLOAT(noise_cooldown, 0, 1e9, -1), AUTO, .unit = "s", .group = "foam",
      .help = "until such noise is gone; auto: 2 V / gravity, times foam_persistence"},
     {FLOAT(noise_calm, 0, 1, 0.3), .unit = "", .group = "foam",
-     .help = "noise without such a change, of particles with the Weber number foam_weber_high; less where they are slower"},
+     .help = "noise without such a change, of particles with the Weber number foam_weber_low or more; less where they are slower"},
 
     {FLOAT(foam_radius, 0.05, 10, 1.4), .unit = "r", .group = "foam",
      .help = "layered: splat radius of a foam particle full-grown; its volume is that of its water"},

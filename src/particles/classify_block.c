@@ -175,6 +175,6 @@ void mns_classify_rule(struct rule *rule, const struct mns_params *params, doubl
         .life_scale = times.fade_out > 0 ? (float)fmin(times.lifetime / times.fade_out, 1e30) : 1e30f,
         .tau2 = (float)fmin(tau * tau, 1e30),
         .calm = params->noise_calm,
-        .calm_scale = params->foam_weber_high > 0 ? 1 / params->foam_weber_high : 1e30f,
+        .calm_scale = params->foam_weber_low > 0 ? 1 / params->foam_weber_low : 1e30f,
     };
 }

@@ -103,9 +103,9 @@ static void enter(struct ids *ids, const struct lookup *lookup, struct id_news *
     uint32_t set = ids->set + 1;
     size_t distinct = 0, matched = 0;
     for (size_t i = 0; i < lookup->count; i++) {
-        int64_t id = id_of(lookup->id, i);
-        size_t at = lookup->slots[i] != ID_NONE ? lookup->slots[i] : find(ids, id);
-        struct id_entry *entry = &ids->entries[at];
+        bool known = lookup->slots[i] != ID_NONE;
+        struct id_entry *entry = &ids->entries[known ? lookup->slots[i] : find(ids, id_of(lookup->id, i))];
+        int64_t id = known || entry->set ? entry->id : id_of(lookup->id, i);
         if (entry->set == set) {
             news->first_repeated = news->repeated++ ? news->first_repeated : id;
             continue;
