@@ -39,12 +39,12 @@ MNS_API mns_result mns_anisotropy_create(mns_anisotropy **out, const struct mns_
 MNS_API void mns_anisotropy_destroy(mns_anisotropy **anisotropy); /* sets *anisotropy to NULL; NULL is fine */
 
 /* Finds the shapes of a frame's particles. params NULL: defaults; its group "anisotropy", radius and radius_scale are read, whether `anisotropy`
- * is on is not. Where neither params nor particles give a radius it is measured on the first frame and kept. The caller's arrays are free again
+ * is on is not. The spacing, and where neither params nor particles give a radius half of it, is measured on the first frame and kept. The caller's arrays are free again
  * afterwards. Where the radius is so wrong that nearly all particles are neighbours, spheres stay and the log is told.
  * Errors: invalid argument, unsupported, out of memory: then there is nothing to attach. */
 MNS_API mns_result mns_anisotropy_step(mns_anisotropy *anisotropy, const struct mns_particles *particles, const struct mns_params *params);
 
-/* Gives the particles of the last step their shape and their moved position, in the positions' own type. The arrays are the object's, and stand
+/* Gives the particles of the last step their shape, their moved position, in the positions' own type, and the spacing that they had. The arrays are the object's, and stand
  * until its next call but this. */
 MNS_API void mns_anisotropy_attach(const mns_anisotropy *anisotropy, struct mns_particles *particles);
 

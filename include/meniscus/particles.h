@@ -42,6 +42,9 @@ struct mns_particles {
                                  { c + R A u, |u| = 1 }, of the same rest volume as without. Eigenvalues from 0.01 to 100, the largest at most
                                  100 times the least. Absent: the identity, a sphere */
     struct mns_attr kind; /* [count], integer, enum mns_kind. Read of diffuse particles only (mns_renderer_prepare_diffuse). Absent: foam */
+
+    double
+        spacing; /* metres: the rest spacing where it is known; 0 (or less, or not finite): told from the positions (struct mns_measure) */
 };
 
 /* Kinds of diffuse particles. */

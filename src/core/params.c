@@ -89,14 +89,14 @@ static const struct mns_param table[] = {
 
     {BOOL(anisotropy, 0), .unit = "", .group = "anisotropy",
      .help = "ellipsoids that follow the surface in place of spheres (Yu and Turk 2013); docs/filters.md tells where it wins"},
-    {FLOAT(anisotropy_reach, 1, 20, 4.2), .unit = "r", .group = "anisotropy",
-     .help = "how far neighbours count; 4.2 are five particle radii"},
+    {FLOAT(anisotropy_reach, 1, 20, 4), .unit = "r", .group = "anisotropy",
+     .help = "how far neighbours count; 4 are 2.4 spacings"},
     {FLOAT(anisotropy_ratio, 1, 16, 4), .unit = "", .group = "anisotropy", .help = "of the longest to the shortest semi-axis, at most"},
     {FLOAT(anisotropy_smoothing, 0, 1, 0.5), .unit = "", .group = "anisotropy",
      .help = "0: centres stay; 1: they move to the mean of their neighbours"},
     {FLOAT(anisotropy_neighbors, 0.01, 0.5, 0.05), .unit = "", .group = "anisotropy",
      .help = "part of a full neighbourhood with which a particle is on its own; from twice that on it is not"},
-    {FLOAT(anisotropy_isolated, 0.1, 1, 0.5), .unit = "r", .group = "anisotropy", .help = "radius of a particle on its own"},
+    {FLOAT(anisotropy_isolated, 0.1, 1, 0.75), .unit = "r", .group = "anisotropy", .help = "radius of a particle on its own"},
 
     {ENUM(display, displays, MNS_DISPLAY_BEAUTY), .unit = "", .group = "water", .help = "what the picture shows"},
     {FLOAT3(absorption, 0, 1e12, -1, -1, -1), AUTO, .unit = "1/m", .group = "water",

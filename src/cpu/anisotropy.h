@@ -57,8 +57,7 @@ extern const struct anisotropy_kernels mns_anisotropy_kernels_scalar, mns_anisot
 /* What eigenvalues are held to where all neighbours are in one place. */
 #define ANISOTROPY_LEAST 1e-6f
 
-/* Rotations of three planes each that leave nothing off the diagonal of a symmetric 3 x 3 matrix in float: two are enough for most, the
- * convergence is quadratic. */
-enum { JACOBI_SWEEPS = 4 };
+/* Rotations of three planes each that leave nothing that counts off the diagonal of a symmetric 3 x 3 matrix: what is left is squared by each. */
+enum { JACOBI_SWEEPS = 3 };
 
 #endif

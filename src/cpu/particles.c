@@ -357,9 +357,12 @@ static bool in_order(struct fill *fill, struct memory *memory, bool (*fill_store
 static bool measure_all(struct fill *fill, const struct particle_store *all, struct memory *memory, struct mns_measure *measure)
 {
     struct particle_facts *facts = &fill->facts;
-    if (!mns_measure_spacing(all, memory, fill->parallel, &measure->spacing)) {
+    double known = fill->particles->spacing;
+    bool is_known = known > 0 && known < LARGEST_EXTENT;
+    if (!is_known && !mns_measure_spacing(all, memory, fill->parallel, &measure->spacing)) {
         return false;
     }
+    measure->spacing = is_known ? known : measure->spacing;
     measure->radius = all->radius ? measure->radius : 0.5 * measure->spacing;
     facts->spacing = measure->spacing;
     facts->radius = measure->radius;

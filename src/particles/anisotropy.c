@@ -102,34 +102,30 @@ void mns_anisotropy_destroy(mns_anisotropy **anisotropy)
     mns_memory_put(&last, self, 1, sizeof(*self));
 }
 
-/* The radius of a particle: as given, the mean of the particles' own, or measured once. */
-static mns_result find_radius(mns_anisotropy *self, const struct mns_particles *in, const struct mns_params *params)
+/* The spacing, which smoothed positions tell no longer, and the radius of a particle: as given, the mean of the particles' own, or half the
+ * spacing. */
+static mns_result find_sizes(mns_anisotropy *self, const struct mns_particles *in, const struct mns_params *params)
 {
     double sum = 0;
     size_t counted = 0;
-    if (params->radius > 0) {
-        self->radius = (double)params->radius;
-        return MNS_OK;
-    }
-    for (size_t i = 0; in->radius.data && i < in->count; i++) {
+    bool has_volume = params->particle_volume > 0 || (in->mass.data && params->rest_density > 0);
+    for (size_t i = 0; in->radius.data && params->radius <= 0 && i < in->count; i++) {
         double radius = mns_attr_get(&in->radius, in->radius.type, 1, i, 0);
         bool good = radius > 0 && radius < INFINITY;
         sum += good ? radius : 0;
         counted += good;
     }
-    if (counted > 0) {
-        self->radius = sum / (double)counted;
-        return MNS_OK;
-    }
-    if (self->measured <= 0) {
+    if (in->spacing > 0 && in->spacing < INFINITY) {
+        self->spacing = in->spacing;
+    } else if (self->spacing <= 0 && (!has_volume || (params->radius <= 0 && counted == 0))) {
         struct mns_measure measure;
         mns_result result = mns_particles_measure(in, &self->memory.allocator, &measure, &self->message);
         if (result != MNS_OK) {
             return result;
         }
-        self->measured = measure.radius;
+        self->spacing = measure.spacing;
     }
-    self->radius = self->measured;
+    self->radius = params->radius > 0 ? (double)params->radius : counted > 0 ? sum / (double)counted : 0.5 * self->spacing;
     return MNS_OK;
 }
 
@@ -148,7 +144,7 @@ static void fill_plain(mns_anisotropy *self, const struct mns_particles *in)
 
 static mns_result run(mns_anisotropy *self, const struct mns_particles *in, const struct mns_params *params)
 {
-    mns_result result = find_radius(self, in, params);
+    mns_result result = find_sizes(self, in, params);
     if (result != MNS_OK || self->radius <= 0) {
         return result; /* no two particles in different places: spheres */
     }
@@ -210,6 +206,7 @@ void mns_anisotropy_attach(const mns_anisotropy *anisotropy, struct mns_particle
     if (anisotropy->count > 0 && anisotropy->count == particles->count) {
         particles->shape = (struct mns_attr){.data = anisotropy->shape, .type = MNS_F32};
         particles->position = (struct mns_attr){.data = anisotropy->position, .type = anisotropy->position_type};
+        particles->spacing = anisotropy->spacing;
     }
 }
 

@@ -18,7 +18,7 @@ struct mns_anisotropy {
     int threads;
     const struct anisotropy_kernels *kernels;
     struct grid grid;
-    double measured; /* radius, metres; 0: not yet */
+    double spacing; /* as measured, metres; 0: not yet */
 
     /* Of the last step. */
     size_t count;   /* 0: nothing to attach */

@@ -97,7 +97,7 @@ static void inside_and_surface(void **state)
                 assert_true(f.shape[i][face] < 0.6 && f.shape[i][(face + 1) % 3] > 1.2 && f.shape[i][(face + 2) % 3] > 1.2);
                 double inwards = position[3 * i + (size_t)face] > 0 ? -1 : 1;
                 double moved = inwards * (f.position[i][face] - position[3 * i + (size_t)face]);
-                assert_true(moved > 0.2 && moved < 0.6); /* half of 0.32 of a reach of 2.5 spacings */
+                assert_true(moved > 0.2 && moved < 0.6); /* half of 0.32 of a reach of 2.4 spacings */
                 assert_true(fabs(f.position[i][(face + 1) % 3] - position[3 * i + (size_t)(face + 1) % 3]) < 0.1);
             }
         }
@@ -118,7 +118,7 @@ static void thin_things(void **state)
     struct found f = find(position, MNS_F32, 5, 0.5, MNS_ISA_AUTO, 2, NULL);
     for (size_t i = 0; i < 5; i++) {
         for (int k = 0; k < 6; k++) {
-            assert_true(fabs(f.shape[i][k] - (k < 3 ? 0.5 : 0)) < 1e-6);
+            assert_true(fabs(f.shape[i][k] - (k < 3 ? 0.75 : 0)) < 1e-6);
         }
         for (int k = 0; k < 3; k++) {
             assert_true(f.position[i][k] == (double)position[3 * i + (size_t)k]);
@@ -275,6 +275,35 @@ static void odd_sets(void **state)
     free(position);
 }
 
+/* Radius and spacing, and so every volume, are those of the positions as they were. */
+static void sizes_stay(void **state)
+{
+    (void)state;
+    enum { SIDE = 12, COUNT = SIDE * SIDE * SIDE };
+    double *position = make_block(SIDE, 0.5);
+    struct mns_particles particles;
+    struct mns_stats stats[2];
+    mns_anisotropy *anisotropy;
+    mns_renderer *renderer;
+    mns_particles_init(&particles);
+    particles.count = COUNT;
+    particles.position = (struct mns_attr){.data = position, .type = MNS_F64};
+    assert_int_equal(mns_anisotropy_create(&anisotropy, NULL, NULL), MNS_OK);
+    assert_int_equal(mns_renderer_create(&renderer, NULL, NULL), MNS_OK);
+    for (int i = 0; i < 2; i++) {
+        mns_stats_init(&stats[i]);
+        assert_int_equal(mns_renderer_prepare(renderer, &particles), MNS_OK);
+        mns_renderer_stats(renderer, &stats[i]);
+        assert_int_equal(mns_anisotropy_step(anisotropy, &particles, NULL), MNS_OK);
+        mns_anisotropy_attach(anisotropy, &particles);
+    }
+    assert_true(stats[0].measure.spacing > 0.5 && stats[1].measure.spacing == stats[0].measure.spacing);
+    assert_true(stats[1].measure.radius == stats[0].measure.radius && stats[1].measure.bounds_max[0] < stats[0].measure.bounds_max[0]);
+    mns_renderer_destroy(&renderer);
+    mns_anisotropy_destroy(&anisotropy);
+    free(position);
+}
+
 static void *no_memory(void *user, size_t size, size_t alignment)
 {
     int *left = user;
@@ -333,7 +362,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(inside_and_surface), cmocka_unit_test(thin_things), cmocka_unit_test(moves_with_the_particles),
-        cmocka_unit_test(threads_and_isas),   cmocka_unit_test(odd_sets),    cmocka_unit_test(failures),
+        cmocka_unit_test(threads_and_isas),   cmocka_unit_test(odd_sets),    cmocka_unit_test(sizes_stay),
+        cmocka_unit_test(failures),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

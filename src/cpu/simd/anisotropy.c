@@ -42,8 +42,9 @@ struct turned {
 SIMD void rotate(struct turned *m, int p, int q, int r)
 {
     vf off = m->off[r], apart = m->diagonal[q] - m->diagonal[p], twice = off + off;
-    vf across = vf_abs(apart) + vf_sqrt(vf_fma(apart, apart, twice * twice)) + vf_set1(1.17549435e-38f);
-    vf t = vf_select(vf_lt(apart, vf_zero()), -twice, twice) / across;
+    vf square_sum = vf_max(vf_fma(apart, apart, twice * twice), vf_set1(1e-30f)); /* the root of 0 without 0 / 0 */
+    vf across = vf_fma(square_sum, vf_rsqrt(square_sum), vf_abs(apart));
+    vf t = vf_select(vf_lt(apart, vf_zero()), -twice, twice) * vf_rcp(across);
     vf square = vf_fma(t, t, vf_set1(1)), c = vf_rsqrt(square), s = t * c, by_p = m->off[q], by_q = m->off[p];
     m->diagonal[p] = vf_fnma(t, off, m->diagonal[p]);
     m->diagonal[q] = vf_fma(t, off, m->diagonal[q]);
