@@ -13,8 +13,8 @@ struct drawing {
     const struct survey *survey; /* of the sequence; NULL: each picture's own */
     mns_renderer *renderer;
     mns_anisotropy *anisotropy; /* NULL: spheres */
-    struct scenery *scenery; /* NULL: none */
-    struct diffuse *diffuse; /* NULL: none */
+    struct scenery *scenery;    /* NULL: none */
+    struct diffuse *diffuse;    /* NULL: none */
 };
 
 /* Which picture it is. */
