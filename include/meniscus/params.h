@@ -142,6 +142,7 @@ struct mns_params {
     float exposure;              /* EV: the picture times 2^exposure */
     float motion_time;           /* s: what layer motion shows the way of */
     int tone_map;                /* enum mns_tone_map: of 8- and 16-bit pictures; float32 stays linear */
+    int antialias;               /* 0 or 1: silhouettes are blended in shaded colour, never in depth or normals */
 
     /* Foam. */
     int foam; /* enum mns_foam */

@@ -136,6 +136,7 @@ static const struct mns_param table[] = {
     {FLOAT(motion_time, 0, 1e12, 1.0 / 24), .unit = "s", .group = "scene", .help = "the time in which the layer motion moves: one frame's"},
     {ENUM(tone_map, tone_maps, MNS_TONE_MAP_NONE), .unit = "", .group = "scene",
      .help = "how light beyond white becomes a colour, in 8- and 16-bit pictures; float32 stays linear"},
+    {BOOL(antialias, 0), .unit = "", .group = "scene", .help = "blend silhouettes of the fluid in shaded colour"},
 
     {ENUM(foam, foams, MNS_FOAM_NONE), .unit = "", .group = "foam",
      .help = "noise: a moving pattern of small waves and grey foam ([LGS09] 3.4); layered: foam before, in and behind the water ([BSW10])"},

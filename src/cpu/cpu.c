@@ -49,6 +49,7 @@ static void destroy(struct backend *cpu)
     mns_resample_destroy(cpu);
     mns_memory_put(memory, cpu->block_values, cpu->block_values_capacity, sizeof(*cpu->block_values));
     mns_memory_put(memory, cpu->line_scratch, cpu->line_scratch_capacity, sizeof(*cpu->line_scratch));
+    mns_memory_put(memory, cpu->picture, cpu->picture_capacity, sizeof(*cpu->picture));
     for (int kind = 0; kind < STORE_KINDS; kind++) {
         mns_particle_store_free(&cpu->stores[kind], memory);
     }

@@ -56,6 +56,8 @@ struct backend {
     struct plane blur_half, blur_decay; /* blur: between its two passes, and how fast the Gaussian of each texel falls */
     struct foam *foam;                  /* foam: NULL until there is some */
     struct scene_image scene;           /* scene */
+    unsigned char *picture;             /* shade: the picture before its silhouettes are blended */
+    size_t picture_capacity;
     struct backend_stats stats;
 };
 

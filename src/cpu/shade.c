@@ -4,6 +4,7 @@
 #include "cpu/cpu.h"
 #include "cpu/display.h"
 #include "cpu/environment.h"
+#include "cpu/silhouette.h"
 #include "cpu/splat.h"
 
 #include <math.h>
@@ -422,5 +423,16 @@ mns_result mns_cpu_shade(struct backend *cpu, const struct frame *frame)
         run.range = mns_display_measure(cpu, frame);
     }
     cpu_run(cpu, shade_job, &run, cpu->host.threads);
+    const struct mns_image *beauty = mns_frame_output(frame, MNS_LAYER_BEAUTY);
+    if (frame->params.antialias && beauty && !mns_display_is_diagram(display)) {
+        const struct shade_optics *optics = &run.optics;
+        struct silhouette silhouette = {.depth = display == MNS_DISPLAY_SPHERES ? &cpu->depth_raw : cpu->smoothed,
+                                        .scene_depth = optics->scene_depth ? &cpu->scene.depth : NULL,
+                                        .edge = optics->edge,
+                                        .slope = SHADE_SLOPE_MAX * fmaxf(fabsf(optics->step_x), fabsf(optics->step_y)),
+                                        .orthographic = optics->orthographic,
+                                        .image = beauty};
+        return mns_silhouette_blend(cpu, &silhouette) ? MNS_OK : cpu_out_of_memory(cpu);
+    }
     return MNS_OK;
 }
