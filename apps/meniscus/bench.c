@@ -88,8 +88,8 @@ static int find_shapes(struct bench *bench, int i, struct mns_particles *particl
     if (!bench->anisotropy) {
         return STATUS_DONE;
     }
-    struct mns_anisotropy_stats stats;
-    mns_anisotropy_stats_init(&stats);
+    struct mns_shape_stats stats;
+    mns_shape_stats_init(&stats);
     if (mns_anisotropy_step(bench->anisotropy, particles, &bench->options->params) != MNS_OK) {
         return program_fail("%s: %s", bench->path, mns_anisotropy_message(bench->anisotropy));
     }

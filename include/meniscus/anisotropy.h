@@ -51,17 +51,17 @@ MNS_API void mns_anisotropy_attach(const mns_anisotropy *anisotropy, struct mns_
 /* What went wrong in the last call, in words; "" when nothing did. Valid until the next call. */
 MNS_API const char *mns_anisotropy_message(const mns_anisotropy *anisotropy);
 
-struct mns_anisotropy_stats {
-    size_t struct_size; /* set by mns_anisotropy_stats_init */
+struct mns_shape_stats {
+    size_t struct_size; /* set by mns_shape_stats_init */
     size_t count;       /* particles with a shape in the last step */
     double radius;      /* metres: of a particle, as it was taken */
     double reach;       /* metres: how far neighbours were looked for */
     double step_ms;     /* time of the last step */
     size_t bytes;       /* memory held */
 };
-MNS_API void mns_anisotropy_stats_init_sized(struct mns_anisotropy_stats *stats, size_t size);
-static inline void mns_anisotropy_stats_init(struct mns_anisotropy_stats *stats) { mns_anisotropy_stats_init_sized(stats, sizeof(*stats)); }
-MNS_API void mns_anisotropy_stats(const mns_anisotropy *anisotropy, struct mns_anisotropy_stats *out);
+MNS_API void mns_shape_stats_init_sized(struct mns_shape_stats *stats, size_t size);
+static inline void mns_shape_stats_init(struct mns_shape_stats *stats) { mns_shape_stats_init_sized(stats, sizeof(*stats)); }
+MNS_API void mns_anisotropy_stats(const mns_anisotropy *anisotropy, struct mns_shape_stats *out);
 
 #ifdef __cplusplus
 }

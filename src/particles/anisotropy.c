@@ -20,7 +20,7 @@ void mns_anisotropy_params_init_sized(struct mns_anisotropy_params *params, size
     params->struct_size = size;
 }
 
-void mns_anisotropy_stats_init_sized(struct mns_anisotropy_stats *stats, size_t size)
+void mns_shape_stats_init_sized(struct mns_shape_stats *stats, size_t size)
 {
     memset(stats, 0, size);
     stats->struct_size = size;
@@ -212,13 +212,13 @@ void mns_anisotropy_attach(const mns_anisotropy *anisotropy, struct mns_particle
 
 const char *mns_anisotropy_message(const mns_anisotropy *anisotropy) { return anisotropy->message.text; }
 
-void mns_anisotropy_stats(const mns_anisotropy *anisotropy, struct mns_anisotropy_stats *out)
+void mns_anisotropy_stats(const mns_anisotropy *anisotropy, struct mns_shape_stats *out)
 {
-    struct mns_anisotropy_stats stats = {.struct_size = out->struct_size,
-                                         .count = anisotropy->count,
-                                         .radius = anisotropy->radius,
-                                         .reach = anisotropy->reach,
-                                         .step_ms = anisotropy->step_ms,
-                                         .bytes = anisotropy->memory.bytes};
+    struct mns_shape_stats stats = {.struct_size = out->struct_size,
+                                    .count = anisotropy->count,
+                                    .radius = anisotropy->radius,
+                                    .reach = anisotropy->reach,
+                                    .step_ms = anisotropy->step_ms,
+                                    .bytes = anisotropy->memory.bytes};
     memcpy(out, &stats, out->struct_size < sizeof(stats) ? out->struct_size : sizeof(stats));
 }
