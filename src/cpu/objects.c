@@ -12,7 +12,6 @@ static const float BOUNCE = 0.15f;
 /* A point that a pixel's ray meets, in the terms of the light map. */
 struct place {
     float u, v, height; /* texels; metres over the floor */
-    float fall;         /* sine of the angle below the horizon at which the ray comes */
 };
 
 /* What is no number counts as none. */
@@ -20,27 +19,51 @@ static float number(float value) { return value > -1e15f && value < 1e15f ? valu
 
 static float dot(const float a[3], const float b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
-static struct place place_of(const struct backdrop *b, const struct shadow *shadow, const struct frame *frame, int x, int y, float depth)
+/* How pixels become places, told once per row. u = offset_u + per_u . q, likewise v. */
+struct placing {
+    const struct backdrop *b;
+    const struct shadow *shadow; /* NULL: u and v are not asked for */
+    float per_u[3], per_v[3], offset_u, offset_v, dy;
+};
+
+static struct placing placing_of(const struct backdrop *b, const struct shadow *shadow, const struct frame *frame, int y)
 {
-    const struct view *view = &frame->view;
     const struct scene_look *look = &frame->look;
-    float per_depth = b->orthographic ? 1 : depth, dx = ((float)x + 0.5f - b->cx) * b->step_x, dy = ((float)y + 0.5f - b->cy) * b->step_y;
-    const float q[3] = {dx * per_depth, dy * per_depth, depth}, ray[3] = {b->orthographic ? 0 : dx, b->orthographic ? 0 : dy, 1};
-    struct place at = {.height = dot(b->sky.up, q) - b->plane, .fall = -dot(b->sky.up, ray) / sqrtf(dot(ray, ray))};
+    const float *translation = frame->view.translation, *sun = look->sun;
+    struct placing out = {.b = b, .shadow = shadow, .dy = ((float)y + 0.5f - b->cy) * b->step_y};
     if (shadow) {
-        float along_u = dot(b->axis_u, q) - dot(b->axis_u, view->translation),
-              along_v = dot(b->axis_v, q) - dot(b->axis_v, view->translation);
-        float rise = at.height / look->sun[look->axis_up];
-        at.u = (along_u - look->sun[look->axis_u] * rise - shadow->min_u) / shadow->texel;
-        at.v = (along_v - look->sun[look->axis_v] * rise - shadow->min_v) / shadow->texel;
+        float per_metre = 1 / shadow->texel, lean_u = sun[look->axis_u] / sun[look->axis_up],
+              lean_v = sun[look->axis_v] / sun[look->axis_up];
+        for (int c = 0; c < 3; c++) {
+            out.per_u[c] = (b->axis_u[c] - lean_u * b->sky.up[c]) * per_metre;
+            out.per_v[c] = (b->axis_v[c] - lean_v * b->sky.up[c]) * per_metre;
+        }
+        out.offset_u = (lean_u * b->plane - dot(b->axis_u, translation) - shadow->min_u) * per_metre;
+        out.offset_v = (lean_v * b->plane - dot(b->axis_v, translation) - shadow->min_v) * per_metre;
     }
-    return at;
+    return out;
+}
+
+static struct place place_of(const struct placing *p, int x, float depth)
+{
+    float per_depth = p->b->orthographic ? 1 : depth, dx = ((float)x + 0.5f - p->b->cx) * p->b->step_x;
+    const float q[3] = {dx * per_depth, p->dy * per_depth, depth};
+    return (struct place){dot(p->per_u, q) + p->offset_u, dot(p->per_v, q) + p->offset_v, dot(p->b->sky.up, q) - p->b->plane};
+}
+
+/* Sine of the angle below the horizon at which a pixel's ray comes. */
+static float fall_of(const struct placing *p, int x)
+{
+    float dx = ((float)x + 0.5f - p->b->cx) * p->b->step_x;
+    const float ray[3] = {p->b->orthographic ? 0 : dx, p->b->orthographic ? 0 : p->dy, 1};
+    return -dot(p->b->sky.up, ray) / sqrtf(dot(ray, ray));
 }
 
 /* Takes from the floor's colour what the objects keep away of the sun's and the sky's light. */
-static void shade_floor(const struct backdrop *b, const struct shadow *shadow, const struct place *at,
-                        const struct mns_object_pixel *object, float color[3])
+static void shade_floor(const struct placing *p, const struct place *at, float fall, const struct mns_object_pixel *object, float color[3])
 {
+    const struct backdrop *b = p->b;
+    const struct shadow *shadow = p->shadow;
     float light[4] = {b->light_open[0], b->light_open[1], b->light_open[2], 0},
           sky[3] = {b->sky.sky_light[0], b->sky.sky_light[1], b->sky.sky_light[2]};
     if (shadow && at->u >= 0 && at->v >= 0 && at->u < (float)(shadow->width - 1) && at->v < (float)(shadow->height - 1)) {
@@ -55,7 +78,7 @@ static void shade_floor(const struct backdrop *b, const struct shadow *shadow, c
             mns_shadow_sky(shadow, light[3], sky);
         }
     }
-    float clear = 1 - mns_floor_haze(at->fall);
+    float clear = 1 - mns_floor_haze(fall);
     for (int c = 0; c < 3; c++) {
         float kept =
             (1 - object->floor_sun) * (1 - BOUNCE * object->floor_sky) * fmaxf(light[c] - sky[c], 0) + (1 - object->floor_sky) * sky[c];
@@ -63,20 +86,19 @@ static void shade_floor(const struct backdrop *b, const struct shadow *shadow, c
     }
 }
 
-static void put(struct scene_image *scene, const struct backdrop *b, const struct shadow *shadow, const struct frame *frame,
-                const struct mns_object_pixel *object, int x, int y)
+static void put(struct scene_image *scene, const struct placing *p, const struct mns_object_pixel *object, int x, int y)
 {
     float *color = scene->color + 4 * (y * scene->stride + x), *depth = scene->depth.data + y * scene->depth.stride + x;
     if (*depth < DEPTH_LIMIT && (object->floor_sun < 1 || object->floor_sky < 1)) {
-        struct place at = place_of(b, shadow, frame, x, y, *depth);
-        at.height = 0;
-        shade_floor(b, shadow, &at, object, color);
+        struct place at = place_of(p, x, *depth);
+        shade_floor(p, &at, fall_of(p, x), object, color);
     }
     if (object->color[3] > 0) {
         float sun[3] = {1, 1, 1}, covered = fminf(object->color[3], 1);
-        if (shadow && object->reach < DEPTH_LIMIT) {
-            struct place at = place_of(b, shadow, frame, x, y, object->reach);
-            mns_shadow_at(shadow, at.u, at.v, at.height, sun);
+        bool sunlit = object->sunlit[0] + object->sunlit[1] + object->sunlit[2] > 0;
+        if (p->shadow && sunlit && object->reach < DEPTH_LIMIT) {
+            struct place at = place_of(p, x, object->reach);
+            mns_shadow_at(p->shadow, at.u, at.v, at.height, sun);
         }
         for (int c = 0; c < 3; c++) {
             color[c] = (1 - covered) * color[c] + number(object->color[c]) + sun[c] * number(object->sunlit[c]);
@@ -94,7 +116,8 @@ void mns_objects_row(struct backend *cpu, const struct frame *frame, const struc
     const struct mns_object_pixel *row = objects->pixels + (ptrdiff_t)y * objects->width;
     const struct shadow *shadow = frame->params.shadow && cpu->stores[STORE_WATER].count > 0 ? cpu->scene.shadow : NULL;
     int begin = objects->spans ? objects->spans[2 * y] : 0, end = objects->spans ? objects->spans[2 * y + 1] : objects->width;
+    const struct placing placing = placing_of(backdrop, shadow, frame, y);
     for (int x = begin; x < end; x++) {
-        put(&cpu->scene, backdrop, shadow, frame, row + x, x, y);
+        put(&cpu->scene, &placing, row + x, x, y);
     }
 }

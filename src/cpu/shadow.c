@@ -294,6 +294,21 @@ static bool reserve(struct backend *cpu, struct shadow *shadow, int sky_width, i
     return done && shadow->light;
 }
 
+/* The table of what comes through so much fluid: for objects it is asked at every pixel. */
+static void tabulate(struct shadow *shadow)
+{
+    shadow->thickest = 1e-20f;
+    for (ptrdiff_t i = 0; i < (ptrdiff_t)shadow->width * shadow->height; i++) {
+        shadow->thickest = fmaxf(shadow->thickest, shadow->sums[0][i]);
+    }
+    for (int step = 0; step < SHADOW_STEPS + 2; step++) {
+        float along = shadow->thickest * (float)step / SHADOW_STEPS, passes = losses_of(shadow, along, 0).sun;
+        for (int c = 0; c < 3; c++) {
+            shadow->through[step][c] = expf(-shadow->key->absorption[c] * along) * passes;
+        }
+    }
+}
+
 /* Fills the map; *shadow->key says from what. */
 static bool make(struct backend *cpu, const struct frame *frame, struct shadow *shadow)
 {
@@ -342,6 +357,9 @@ static bool make(struct backend *cpu, const struct frame *frame, struct shadow *
 
     float through = 1 - reflectance(sine, frame->params.refraction_index);
     shadow->sun_loss = 1 - (1 - SUN_ASTRAY) * through * through;
+    if (shadow->key->has_moments) {
+        tabulate(shadow);
+    }
     struct compose compose = {shadow, sky_width, sky_height};
     cpu_run(cpu, compose_band, &compose, bands_of(shadow->height));
     return true;
@@ -418,9 +436,10 @@ void mns_shadow_at(const struct shadow *shadow, float u, float v, float height, 
     /* A slab of standard deviation s is s sqrt(12) high. One of a single particle is as high as that. */
     float mean = moments[1] / moments[0], variance = fmaxf(moments[2] / moments[0] - mean * mean, radius * radius / 3);
     float half = sqrtf(3 * variance), along = moments[0] * fmaxf(fminf((mean + half - height) / (2 * half), 1), 0);
-    float passes = losses_of(shadow, along, 0).sun;
+    float step = fminf(along / shadow->thickest, 1) * SHADOW_STEPS, between = step - floorf(step);
+    const float *through = shadow->through[(int)step], *next = shadow->through[(int)step + 1];
     for (int c = 0; c < 3; c++) {
-        out[c] = expf(-key->absorption[c] * along) * passes;
+        out[c] = through[c] + between * (next[c] - through[c]);
     }
 }
 

@@ -8,6 +8,9 @@
 /* Texels along the longer side of the map, at most. */
 enum { SHADOW_SIZE = 1024 };
 
+/* Steps of the table of what comes through fluid: its interpolation is within 1e-4 of light that falls by e^-20 over them. */
+enum { SHADOW_STEPS = 1024 };
+
 /* light: [height][width][4] linear light on a white floor, and the metres of fluid above it; texel (i, j) stands at (min_u + i * texel, min_v + j * texel) along
  * the floor's axes, relative to the set's origin, metres. No particle throws a shadow beyond the map's edge. */
 struct shadow {
@@ -16,7 +19,10 @@ struct shadow {
     float *sums[5];        /* thickness along the sun, thickness upwards at a quarter of the resolution, a pass in between; with objects the
                               * thickness along the sun times the height over the floor, and times its square */
     size_t sums_capacity[5]; /* floats */
-    float sun_loss;          /* part of the sun's light that a body of fluid's two surfaces reflect */
+    float thickest;          /* largest thickness along the sun, metres; with objects */
+    float through[SHADOW_STEPS + 2]
+                 [3]; /* part of the sun's light that i / SHADOW_STEPS of it lets through; one more than that, for interpolation */
+    float sun_loss;   /* part of the sun's light that a body of fluid's two surfaces reflect */
     int width, height;
     float min_u, min_v, texel;
     struct shadow_key *key; /* what the map was made from */
