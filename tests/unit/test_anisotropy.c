@@ -332,7 +332,8 @@ static void failures(void **state)
     mns_particles_init(&particles);
     particles.count = 125;
     particles.position = (struct mns_attr){.data = position, .type = MNS_F64};
-    int left = 0, result = MNS_ERR_OUT_OF_MEMORY;
+    int left = 0;
+    mns_result result = MNS_ERR_OUT_OF_MEMORY;
     for (int allowed = 0; allowed < 60 && result == MNS_ERR_OUT_OF_MEMORY; allowed++) {
         mns_anisotropy_params_init(&create);
         create.threads = 1;
