@@ -181,6 +181,12 @@ struct mns_params {
     float noise_foam;      /* how much of the grey foam there is where noise is 1 */
     float noise_threshold; /* noise from which on there is grey foam */
     float noise_color[3];  /* linear RGB of the grey foam in white light */
+
+    /* Spray, where foam is noise or layered. */
+    float spray_radius;   /* r: radius of a soft drop */
+    float spray_depth;    /* optical depth in its middle, where its opacity is 1 */
+    float spray_shutter;  /* s: how long a drop moves while it is seen */
+    float spray_color[3]; /* linear RGB of spray in white light */
 };
 
 /* All defaults. size: sizeof(struct mns_params) as the caller knows it. */
@@ -197,7 +203,7 @@ enum mns_param_type {
 /* One row of the table. All strings are static. */
 struct mns_param {
     const char *name;  /* the field's name, as in --set NAME=VALUE */
-    const char *group; /* "particles", "thickness", "smoothing", "anisotropy", "water", "scene", "foam", "noise" */
+    const char *group; /* "particles", "thickness", "smoothing", "anisotropy", "water", "scene", "foam", "noise", "spray" */
     enum mns_param_type type;
     int components;          /* 1, or 3 for colours */
     size_t offset;           /* in struct mns_params */

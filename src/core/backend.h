@@ -14,6 +14,7 @@ enum stage {
     STAGE_NOISE,  /* particles near depth -> noise */
     STAGE_BLUR,   /* thickness_raw -> thickness, color */
     STAGE_FOAM,   /* foam and water before it, thickness_raw -> foam_depth, foam_thickness, foam_front_thickness, thickness_front */
+    STAGE_SPRAY,  /* spray, depth -> optical depths of its drops before and behind the surface */
     STAGE_SHADE,  /* depth, thickness, color, scene -> normal, curvature, transmittance, alpha, beauty */
     STAGE_PASSES, /* chunks per tile, depth -> velocity, motion, id, position; free where none is asked for */
     STAGE_COUNT

@@ -197,6 +197,12 @@ static const struct mns_param table[] = {
     {FLOAT(noise_foam, 0, 100, 0.5), .unit = "", .group = "noise", .help = "how much of the grey foam there is where the noise is 1"},
     {FLOAT(noise_threshold, 0, 10, 0.25), .unit = "", .group = "noise", .help = "noise from which on there is grey foam"},
     {FLOAT3(noise_color, 0, 1, 0.75, 0.78, 0.8), .unit = "", .group = "noise", .help = "linear colour of the grey foam in white light"},
+
+    {FLOAT(spray_radius, 0.01, 10, 0.5), .unit = "r", .group = "spray", .help = "radius of a soft drop of spray ([LGS09] 3.1)"},
+    {FLOAT(spray_depth, 0, 100, 1.2), .unit = "", .group = "spray", .help = "optical depth in the middle of a drop whose opacity is 1"},
+    {FLOAT(spray_shutter, 0, 1e9, 0.008), .unit = "s", .group = "spray",
+     .help = "how long a drop moves while it is seen, which stretches it; half of 1/60: a film's shutter"},
+    {FLOAT3(spray_color, 0, 1, 0.85, 0.88, 0.9), .unit = "", .group = "spray", .help = "linear colour of spray in white light"},
 };
 
 enum { ROWS = sizeof(table) / sizeof(table[0]) };

@@ -9,7 +9,7 @@
 
 enum { THREADS_MAX = 1024 };
 
-const char *const mns_stage_names[STAGE_COUNT] = {"scene", "bin", "splat", "smooth", "noise", "blur", "foam", "shade", "passes"};
+const char *const mns_stage_names[STAGE_COUNT] = {"scene", "bin", "splat", "smooth", "noise", "blur", "foam", "spray", "shade", "passes"};
 
 struct mns_renderer {
     struct memory memory;

@@ -38,6 +38,7 @@ static void destroy(struct backend *cpu)
     mns_noise_destroy(cpu);
     mns_blur_destroy(cpu);
     mns_foam_destroy(cpu);
+    mns_spray_destroy(cpu);
     free_thickness(&cpu->raw, memory);
     free_thickness(&cpu->blurred, memory);
     mns_depth_plane_free(&cpu->depth_raw, memory);
@@ -91,6 +92,7 @@ const struct backend_functions mns_backend_cpu = {
                [STAGE_NOISE] = mns_cpu_noise,
                [STAGE_BLUR] = mns_cpu_blur,
                [STAGE_FOAM] = mns_cpu_foam,
+               [STAGE_SPRAY] = mns_cpu_spray,
                [STAGE_SHADE] = mns_cpu_shade,
                [STAGE_PASSES] = mns_cpu_passes},
     .light = mns_cpu_light,

@@ -55,6 +55,7 @@ struct backend {
     struct thickness_image blurred;     /* blur */
     struct plane blur_half, blur_decay; /* blur: between its two passes, and how fast the Gaussian of each texel falls */
     struct foam *foam;                  /* foam: NULL until there is some */
+    struct spray *spray;                /* spray: likewise */
     struct scene_image scene;           /* scene */
     unsigned char *picture;             /* shade: the picture before its silhouettes are blended */
     size_t picture_capacity;
@@ -69,6 +70,7 @@ mns_result mns_cpu_smooth(struct backend *cpu, const struct frame *frame);
 mns_result mns_cpu_noise(struct backend *cpu, const struct frame *frame);
 mns_result mns_cpu_blur(struct backend *cpu, const struct frame *frame);
 mns_result mns_cpu_foam(struct backend *cpu, const struct frame *frame);
+mns_result mns_cpu_spray(struct backend *cpu, const struct frame *frame);
 mns_result mns_cpu_shade(struct backend *cpu, const struct frame *frame);
 mns_result mns_cpu_passes(struct backend *cpu, const struct frame *frame);
 
@@ -85,6 +87,7 @@ void mns_scene_destroy(struct backend *cpu); /* the scene image and the shadow *
 void mns_noise_destroy(struct backend *cpu);
 void mns_blur_destroy(struct backend *cpu);
 void mns_foam_destroy(struct backend *cpu);
+void mns_spray_destroy(struct backend *cpu);
 
 /* Runs job(context, i) for i in [0, jobs) with the host's threads. */
 static inline void cpu_run(struct backend *cpu, void (*job)(void *context, int index), void *context, int jobs)

@@ -6,6 +6,7 @@
 #include "cpu/environment.h"
 #include "cpu/silhouette.h"
 #include "cpu/splat.h"
+#include "cpu/spray.h"
 
 #include <math.h>
 #include <string.h>
@@ -31,6 +32,7 @@ struct shade_run {
     const struct foam *foam;     /* NULL: none shows */
     const struct plane *noise;   /* on the surface, or NULL */
     float noise_height;          /* metres */
+    const struct spray *spray;   /* NULL: none shows */
     struct display_range range;
     float gain;
     bool has_color, needs_color, needs_curvature, needs_optics, needs_layers;
@@ -78,6 +80,9 @@ static void resolve_optics(struct shade_optics *out, const struct backend *cpu, 
         out->scatter_light[c] = SCATTER_WHITE * light;
         out->opaque[c] = params->opaque_color[c];
         out->grey[c] = params->noise_color[c];
+        /* A drop is lit from all around: half of it by the sun, all of it by the means of the sky and the ground. */
+        out->spray[c] =
+            params->spray_color[c] * (0.5f * out->sky.sun_light[c] + 0.5f * (out->sky.sky_light[c] + 0.5f * out->sky.ground[c]));
         out->foam_front[c] = params->foam_front_color[c] * light;
         out->foam_back[c] = params->foam_back_color[c] * light;
     }
@@ -187,6 +192,35 @@ static void cover_with_grey(const struct shade_run *run, struct shade_row *row)
     }
 }
 
+/* Spray over what is there: that behind the water through as much of it as the scene behind is seen through. */
+static void add_spray(const struct shade_run *run, struct shade_row *row, bool has_foam)
+{
+    const struct spray *spray = run->spray;
+    const float *front = spray->front.data + row->y * spray->front.stride + row->x;
+    const float *behind = spray->behind.data + row->y * spray->behind.stride + row->x;
+    bool water = run->frame->params.display == MNS_DISPLAY_BEAUTY;
+    for (int i = 0; i < row->count; i++) {
+        if (!(front[i] > 0) && !(behind[i] > 0)) {
+            continue;
+        }
+        float over = 1 - expf(-front[i]), under = water && row->nz[i] != 0 ? 1 - expf(-behind[i]) : 0, veil = has_foam ? row->veil[i] : 1;
+        float alpha = row->out[3][i], light[3], hidden = 0;
+        for (int c = 0; c < 3; c++) {
+            light[c] = alpha * row->out[c][i];
+            if (under > 0) {
+                float through = under * veil * (1 - row->fresnel[i]) * row->transmittance[c][i];
+                light[c] += through * (run->optics.spray[c] - (run->optics.transparent ? 0 : row->behind[4 * i + c]));
+                hidden += run->optics.transparent ? through / 3 : 0;
+            }
+        }
+        float covers = over + (1 - over) * fminf(alpha + hidden, 1);
+        for (int c = 0; c < 3; c++) {
+            row->out[c][i] = covers > 0 ? (over * run->optics.spray[c] + (1 - over) * light[c]) / covers : 0;
+        }
+        row->out[3][i] = covers;
+    }
+}
+
 static void row_curvature(const struct shade_run *run, const struct shade_row *row, float *curvature)
 {
     float normals[3][3][NORMALS_WIDTH];
@@ -235,7 +269,8 @@ static void write_layers(const struct shade_run *run, const struct shade_row *ro
         if (noise) {
             noise[i] = fluid && run->noise ? run->noise->data[row->y * run->noise->stride + row->x + i] : 0;
         }
-        float sum = 0, veil = has_foam ? row->veil[i] : run->noise && fluid ? 1 - row->grey[i] : 1;
+        float sum = 0, veil = run->spray ? expf(-run->spray->front.data[row->y * run->spray->front.stride + row->x + i]) : 1;
+        veil *= has_foam ? row->veil[i] : run->noise && fluid ? 1 - row->grey[i] : 1;
         for (int c = 0; c < 3; c++) {
             float through = veil * (fluid ? row->transmittance[c][i] * (1 - row->fresnel[i]) : 1);
             sum += through;
@@ -371,6 +406,9 @@ static void shade_row(struct shade_run *run, struct shade_row *row)
     } else {
         run->cpu->kernels->shade->split(optics->scene + 4 * (row->y * optics->scene_stride + row->x), row->count, row->out);
     }
+    if (run->spray && !diagram && display != MNS_DISPLAY_COLOR) {
+        add_spray(run, row, has_foam);
+    }
     bool as_is = diagram || display == MNS_DISPLAY_COLOR; /* to be compared with a scale */
     bool mapped = !as_is && run->frame->params.tone_map != MNS_TONE_MAP_NONE && beauty->pixel != MNS_PIXEL_F32;
     if (mapped) {
@@ -411,6 +449,7 @@ mns_result mns_cpu_shade(struct backend *cpu, const struct frame *frame)
         run.noise = &cpu->noise;
         run.noise_height = frame->params.noise_height * frame->splat_radius;
     }
+    run.spray = cpu->spray && cpu->spray->shows ? cpu->spray : NULL;
     resolve_optics(&run.optics, cpu, frame);
     mns_surroundings_resolve(&run.surroundings, frame);
     run.optics.has_mirrored = run.surroundings.environment != NULL;

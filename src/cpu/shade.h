@@ -33,6 +33,7 @@ struct shade_optics {
     float reflection, specular, shininess; /* specular: over the sun's light on a white surface */
     float opaque[3];                       /* colour of the surface where the fluid is opaque */
     float grey[3];                         /* colour of grey foam */
+    float spray[3];                        /* radiance of spray */
 
     float foam_front[3], foam_back[3];            /* radiance of thick and of thin front foam ([BSW10]: c_ff, c_fb) */
     float foam_extinction, foam_range_extinction; /* 1/metre, of T_f and of T_ff */
