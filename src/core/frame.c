@@ -127,6 +127,10 @@ static mns_result check_objects(const struct mns_frame *in, struct mns_message *
     if (in->scene) {
         return mns_fail(message, MNS_ERR_INVALID_ARGUMENT, "frame has both a scene and objects; objects stand in the renderer's own scene");
     }
+    if (in->params && in->params->background == MNS_BACKGROUND_TRANSPARENT) {
+        return mns_fail(message, MNS_ERR_UNSUPPORTED,
+                        "objects cannot stand before a transparent background yet; background must be sky or color");
+    }
     if (!objects->pixels) {
         return mns_fail(message, MNS_ERR_INVALID_ARGUMENT, "objects.pixels is NULL");
     }

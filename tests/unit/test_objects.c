@@ -146,6 +146,9 @@ static void test_what_cannot_be_is_refused(void **state)
     assert_int_equal(mns_renderer_draw(look.renderer, &frame), MNS_ERR_INVALID_ARGUMENT);
     assert_non_null(strstr(mns_renderer_message(look.renderer), "both a scene and objects"));
     frame.scene = NULL;
+    look.shot.params.background = MNS_BACKGROUND_TRANSPARENT;
+    assert_int_equal(mns_renderer_draw(look.renderer, &frame), MNS_ERR_UNSUPPORTED);
+    look.shot.params.background = MNS_BACKGROUND_SKY;
     look.objects.width--;
     assert_int_equal(mns_renderer_draw(look.renderer, &frame), MNS_ERR_INVALID_ARGUMENT);
     look.objects.width++;
