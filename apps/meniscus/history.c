@@ -9,11 +9,11 @@
 /* Frames beyond the memory in seconds: a velocity and its change are told from two more. */
 enum { BEYOND = 2 };
 
-/* When the simulation was as a frame has it: as a .pvd tells, else by --fps. */
+/* When the simulation was as a frame has it: as a .pvd tells, else by --fps, of which --retime puts in more pictures. */
 static double time_of(const struct history *history, size_t input)
 {
     const struct options *options = history->options;
-    return history->timed ? history->inputs->list[input].time : (double)input * options->fps[1] / options->fps[0];
+    return history->timed ? history->inputs->list[input].time : (double)input * options->retime * options->fps[1] / options->fps[0];
 }
 
 int history_begin(struct history *history, const struct options *options, const struct inputs *inputs, const struct survey *survey)

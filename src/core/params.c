@@ -186,7 +186,7 @@ static const struct mns_param table[] = {
     {FLOAT(foam_detail, 0, 10, 1.5), .unit = "", .group = "foam",
      .help = "layered: strength of the noise on the foam's thickness, which varies with its age; 0: smooth spheres"},
 
-    {FLOAT(noise_height, 0, 10, 0.1), .unit = "r", .group = "noise",
+    {FLOAT(noise_height, 0, 10, 0.12), .unit = "r", .group = "noise",
      .help = "height of the waves that foam noise makes of the surface, where the noise is 1"},
     {FLOAT(noise_scale, 0.05, 20, 1), .unit = "r", .group = "noise", .help = "size of the cells of the coarsest octave"},
     {FLOAT(noise_radius, 1.1, 10, 2), .unit = "r", .group = "noise",
@@ -194,9 +194,9 @@ static const struct mns_param table[] = {
     {INT(noise_octaves, 1, 6, 3), .unit = "", .group = "noise", .help = "octaves of Perlin's noise, each with cells of half the size"},
     {FLOAT(noise_gain, 0, 1, 0.5), .unit = "", .group = "noise",
      .help = "amplitude of an octave over that of the one before ([P430] eq. 14)"},
-    {FLOAT(noise_foam, 0, 100, 0.5), .unit = "", .group = "noise", .help = "how much of the grey foam there is where the noise is 1"},
-    {FLOAT(noise_threshold, 0, 10, 0.25), .unit = "", .group = "noise", .help = "noise from which on there is grey foam"},
-    {FLOAT3(noise_color, 0, 1, 0.75, 0.78, 0.8), .unit = "", .group = "noise", .help = "linear colour of the grey foam in white light"},
+    {FLOAT(noise_foam, 0, 100, 1), .unit = "", .group = "noise", .help = "how much of the grey foam there is where the noise is 1"},
+    {FLOAT(noise_threshold, 0, 10, 0.12), .unit = "", .group = "noise", .help = "noise from which on there is grey foam"},
+    {FLOAT3(noise_color, 0, 1, 0.6, 0.63, 0.65), .unit = "", .group = "noise", .help = "linear colour of the grey foam in white light"},
 
     {FLOAT(spray_radius, 0.01, 10, 0.5), .unit = "r", .group = "spray", .help = "radius of a soft drop of spray ([LGS09] 3.1)"},
     {FLOAT(spray_depth, 0, 100, 1.2), .unit = "", .group = "spray", .help = "optical depth in the middle of a drop whose opacity is 1"},

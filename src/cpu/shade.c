@@ -79,10 +79,10 @@ static void resolve_optics(struct shade_optics *out, const struct backend *cpu, 
         out->scatter[c] = params->fluid_color[c] * light;
         out->scatter_light[c] = SCATTER_WHITE * light;
         out->opaque[c] = params->opaque_color[c];
-        out->grey[c] = params->noise_color[c];
         /* A drop is lit from all around: half of it by the sun, all of it by the means of the sky and the ground. */
         out->spray[c] =
             params->spray_color[c] * (0.5f * out->sky.sun_light[c] + 0.5f * (out->sky.sky_light[c] + 0.5f * out->sky.ground[c]));
+        out->grey[c] = params->noise_color[c] * light; /* of the surface as a whole: on the waves foam would be specks of dark and light */
         out->foam_front[c] = params->foam_front_color[c] * light;
         out->foam_back[c] = params->foam_back_color[c] * light;
     }

@@ -32,7 +32,7 @@ struct shade_optics {
     bool has_mirrored;                     /* what the surface reflects is in row->mirrored: not the sky of sky.h */
     float reflection, specular, shininess; /* specular: over the sun's light on a white surface */
     float opaque[3];                       /* colour of the surface where the fluid is opaque */
-    float grey[3];                         /* colour of grey foam */
+    float grey[3];                         /* radiance of grey foam */
     float spray[3];                        /* radiance of spray */
 
     float foam_front[3], foam_back[3];            /* radiance of thick and of thin front foam ([BSW10]: c_ff, c_fb) */
@@ -124,7 +124,7 @@ struct shade_kernels {
     /* out: an opaque surface in the same light, the pixel's own scene where no fluid is. As water. */
     void (*opaque)(const struct shade_optics *optics, bool has_color, struct shade_row *row);
 
-    /* out: grey foam over the fluid that is there, in the light of a white surface ([LGS09] 3.5). As water. */
+    /* out: grey foam over the fluid that is there ([LGS09] 3.5). As water. */
     void (*grey)(const struct shade_optics *optics, struct shade_row *row);
 
     /* planes: the channels of count pixels, at most SHADE_SPAN, of a picture [count][4]. */

@@ -379,15 +379,12 @@ static void opaque(const struct shade_optics *o, bool has_color, struct shade_ro
 static void grey(const struct shade_optics *o, struct shade_row *row)
 {
     for (int i = 0; i < row->count; i++) {
-        const float n[3] = {row->nx[i], row->ny[i], row->nz[i]};
-        float part = n[2] != 0 ? row->grey[i] : 0, rest = (1 - part) * row->out[3][i];
+        float part = row->nz[i] != 0 ? row->grey[i] : 0, rest = (1 - part) * row->out[3][i];
         if (!(part > 0)) {
             continue;
         }
-        float light[3];
-        white_light(o, n, light);
         for (int c = 0; c < 3; c++) {
-            row->out[c][i] = (part * o->grey[c] * light[c] + rest * row->out[c][i]) / (part + rest);
+            row->out[c][i] = (part * o->grey[c] + rest * row->out[c][i]) / (part + rest);
         }
         row->out[3][i] = part + rest;
     }

@@ -470,11 +470,10 @@ static void grey(const struct shade_optics *o, struct shade_row *row)
         if (!vm_any(some)) {
             continue;
         }
-        vf rest = (vf_set1(1) - part) * vf_loadu(row->out[3] + i), covers = part + rest, light[3];
+        vf rest = (vf_set1(1) - part) * vf_loadu(row->out[3] + i), covers = part + rest;
         vf scale = vf_rcp(vf_select(some, covers, vf_set1(1)));
-        white_light(o, n, light);
         for (int c = 0; c < 3; c++) {
-            vf out = vf_loadu(row->out[c] + i), mixed = vf_fma(part * vf_set1(o->grey[c]), light[c], rest * out) * scale;
+            vf out = vf_loadu(row->out[c] + i), mixed = vf_fma(part, vf_set1(o->grey[c]), rest * out) * scale;
             vf_storeu(row->out[c] + i, vf_select(some, mixed, out));
         }
         vf_storeu(row->out[3] + i, covers);
