@@ -101,6 +101,7 @@ static inline void draw_layers(const struct shot *shot, const struct mns_particl
     mns_renderer_params_init(&params);
     params.isa = shot->isa;
     params.threads = shot->threads;
+    params.passes = 1; /* every layer may be asked for */
     struct mns_output outputs[MNS_LAYER_COUNT];
     for (size_t i = 0; i < count; i++) {
         data[i] = layer_alloc(shot, layers[i]);
