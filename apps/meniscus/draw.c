@@ -1,6 +1,7 @@
 /* draw.c: one picture from particles. */
 #include "draw.h"
 
+#include "fluids.h"
 #include "program.h"
 #include "view.h"
 
@@ -42,6 +43,9 @@ int draw_picture(const struct drawing *drawing, const struct mns_particles *part
     struct mns_particles shaped = *particles;
     struct mns_params params = drawing->options->params;
     mns_stats_init(stats);
+    if (drawing->fluids) {
+        return fluids_draw(drawing, particles, moment, images, image_count, stats);
+    }
     if (drawing->survey) {
         survey_fix_params(drawing->survey, particles->radius.data != NULL, particles->mass.data != NULL, &params);
     }

@@ -7,6 +7,8 @@
 #include "scenery.h"
 #include "survey.h"
 
+struct fluids;
+
 /* What all pictures of a run share. */
 struct drawing {
     const struct options *options;
@@ -15,6 +17,7 @@ struct drawing {
     mns_anisotropy *anisotropy; /* NULL: spheres */
     struct scenery *scenery;    /* NULL: none */
     struct diffuse *diffuse;    /* NULL: none */
+    struct fluids *fluids;      /* NULL: one */
 };
 
 /* Which picture it is. */

@@ -3,6 +3,7 @@
 
 #include "lab/run.h"
 #include "option_color.h"
+#include "option_fluid.h"
 #include "option_layer.h"
 #include "option_scenery.h"
 #include "option_sequence.h"
@@ -170,8 +171,11 @@ static bool set_background(struct options *options, const char *value, struct mn
 
 static bool set_parameter(struct options *options, const char *value, struct mns_message *message)
 {
-    const char *equals = strchr(value, '=');
+    const char *equals = strchr(value, '='), *dot = strchr(value, '.');
     char name[64];
+    if (options->command == COMMAND_RENDER && equals && dot && dot < equals) {
+        return option_set_of_fluid(options, value, message);
+    }
     if (!equals || (size_t)(equals - value) >= sizeof(name)) {
         return option_refuse(message, "'%s' must be NAME=VALUE", value);
     }
@@ -362,6 +366,10 @@ const struct option_row option_table[] = {
     {"--output", 'o', "FILE", COMMAND_LAB, NULL, set_output, "the table (standard output)"},
     {"--particles", 0, "N", COMMAND_SAMPLE, NULL, set_particles, "how many particles: 1000, 100k, 10M"},
 
+    {"--fluid", 0, "NAME=FILES", COMMAND_RENDER, NULL, option_set_fluid,
+     "one of several fluids: a file, a folder, a pattern or a .pvd, as INPUT, which may be left out then; --set NAME.PARAMETER=VALUE is "
+     "for it "
+     "alone; repeatable"},
     {"--size", 0, "WxH", DRAWS, NULL, set_size, "pixels of the picture (1920x1080)"},
     {"--size", 0, "WxH", COMMAND_LAB, NULL, set_size, "pixels of the pictures; larger ones show more particles of the same size (640x480)"},
     {"--eye", 0, "X,Y,Z", DRAWS, NULL, set_eye, "where the camera stands; what is left out is framed from the particles"},

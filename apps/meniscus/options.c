@@ -3,6 +3,7 @@
 
 #include "look.h"
 #include "names.h"
+#include "option_fluid.h"
 #include "option_table.h"
 #include "preset.h"
 #include "program.h"
@@ -94,7 +95,12 @@ static int apply_parameters(struct options *options)
         }
     }
     for (size_t i = 0; i < options->setting_count; i++) {
-        mns_params_set(&options->params, options->settings[i].name, options->settings[i].value, NULL); /* checked when it was parsed */
+        if (!options->settings[i].fluid) { /* checked when it was parsed */
+            mns_params_set(&options->params, options->settings[i].name, options->settings[i].value, NULL);
+        }
+    }
+    if (!option_fluids_resolve(options, &message)) {
+        return program_usage("--set: %s", message.text);
     }
     return mns_params_check(&options->params, &message) == MNS_OK ? STATUS_DONE : program_usage("%s", message.text);
 }
@@ -126,9 +132,10 @@ int options_parse(struct options *options, enum command command, int count, char
     options->looks = calloc(room, sizeof(*options->looks));
     options->meshes = calloc(room, sizeof(*options->meshes));
     options->foam_files = calloc(room, sizeof(*options->foam_files));
+    options->fluids = calloc(room, sizeof(*options->fluids));
     options->settings = calloc(2 * room, sizeof(*options->settings)); /* --sun and --background set two */
     if (!options->inputs || !options->roles || !options->presets || !options->looks || !options->meshes || !options->foam_files ||
-        !options->settings) {
+        !options->fluids || !options->settings) {
         return program_fail("out of memory");
     }
     bool only_inputs = false;
@@ -160,6 +167,7 @@ void options_free(struct options *options)
     free((void *)options->looks);
     free(options->meshes);
     free((void *)options->foam_files);
+    free(options->fluids);
     free(options->settings);
     free(options->keys);
 }

@@ -14,8 +14,17 @@ enum command { COMMAND_RENDER = 1, COMMAND_INFO = 2, COMMAND_BENCH = 4, COMMAND_
 struct preset;
 
 struct setting {
+    const char *fluid; /* the one it is for, up to a dot; NULL: all */
     const char *name;
     const char *value;
+};
+
+enum { FLUIDS_MAX = 16, FLUID_NAME_MAX = 32 };
+
+struct fluid_option {
+    char name[FLUID_NAME_MAX];
+    const char *files;
+    struct mns_params params; /* its own settings applied */
 };
 
 struct layer_file {
@@ -87,13 +96,17 @@ struct options {
     const char *save_look;
     struct mns_params params; /* looks and settings applied */
 
+    /* Beside the inputs: where there are none, the first of the fluids is moved there, and params are its own. */
+    struct fluid_option *fluids; /* [fluid_count] */
+    size_t fluid_count;
+
     const char **foam_files; /* [foam_file_count] as given */
     size_t foam_file_count;
 
     struct mesh_file *meshes; /* [mesh_count] */
     size_t mesh_count;
     const char *environment; /* NULL: the sky */
-    double mesh_scale; /* metres per unit */
+    double mesh_scale;       /* metres per unit */
     bool has_mesh_up;
     int mesh_up; /* enum mns_axis, of the files; where given */
 

@@ -1,4 +1,5 @@
 /* render.c: `meniscus render`: plans the pictures, and leads frames from the source over drawing to the sink. */
+#include "fluids.h"
 #include "history.h"
 #include "legend.h"
 #include "look.h"
@@ -76,11 +77,14 @@ static int begin(struct render *render, struct options *options)
     if (status == STATUS_DONE && options->color.by) {
         status = coloring_begin(&render->coloring, options);
     }
-    if (status == STATUS_DONE && render->inputs.count > 1) {
+    bool surveyed = render->inputs.count > 1 || options->fluid_count > 0;
+    struct fluids *fluids = NULL;
+    if (status == STATUS_DONE && surveyed) {
         status = survey_inputs(&render->survey, &render->inputs, options);
     }
+    status = status == STATUS_DONE ? fluids_begin(&fluids, options, &render->inputs, &render->outputs, &render->survey) : status;
     if (status == STATUS_DONE && options->color.by) {
-        coloring_survey(&render->coloring, render->inputs.count > 1 ? &render->survey : NULL);
+        coloring_survey(&render->coloring, surveyed ? &render->survey : NULL);
     }
     if (status == STATUS_DONE) {
         status = history_begin(&render->history, options, &render->inputs, render->inputs.count > 1 ? &render->survey : NULL);
@@ -88,7 +92,7 @@ static int begin(struct render *render, struct options *options)
     if (status == STATUS_DONE && options->stats && !(render->stats = stats_create(options))) {
         status = program_fail("%s: out of memory", options->stats);
     }
-    render->drawing = (struct drawing){.options = options, .survey = render->inputs.count > 1 ? &render->survey : NULL};
+    render->drawing = (struct drawing){.options = options, .survey = surveyed ? &render->survey : NULL, .fluids = fluids};
     status = status == STATUS_DONE ? diffuse_begin(&render->drawing.diffuse, options, &render->inputs) : status;
     status = status == STATUS_DONE ? scenery_create(&render->drawing.scenery, options) : status;
     status = status == STATUS_DONE ? program_anisotropy(&render->drawing.anisotropy, options) : status;
@@ -143,6 +147,11 @@ static int pull(struct render *render, struct source_frame **out)
     struct source_frame *frame = *out = source_next(render->source);
     if (!frame) {
         return STATUS_DONE;
+    }
+    const struct source_frame *bad = fluids_next(render->drawing.fluids);
+    if (frame->set && bad) {
+        mns_particle_set_destroy(&frame->set);
+        return fail_frame(render, bad);
     }
     if (!frame->set) {
         history_skip(&render->history, frame->input);
@@ -220,7 +229,9 @@ static int stream(struct render *render)
     render->source = render->sink ? source_start(&render->inputs, render->plan.needed, render->options,
                                                  render->options->color.by ? &render->coloring : NULL)
                                   : NULL;
-    int status = render->source ? STATUS_DONE : STATUS_FAILED;
+    int status = render->source
+                     ? fluids_start(render->drawing.fluids, render->plan.needed, render->options->color.by ? &render->coloring : NULL)
+                     : STATUS_FAILED;
     render->shooting = (struct shooting){.drawing = &render->drawing, .inputs = &render->inputs};
     while (status == STATUS_DONE && render->next < render->plan.count && !program_signal()) {
         status = render_shot(render, &render->plan.shots[render->next]);
@@ -230,6 +241,7 @@ static int stream(struct render *render)
     sink_stop(render->sink);
     shoot_end(&render->shooting);
     source_stop(render->source);
+    fluids_stop(render->drawing.fluids);
     progress_clear();
     return status == STATUS_DONE ? render->write_status : status;
 }
@@ -279,6 +291,7 @@ int command_render(struct options *options)
     mns_anisotropy_destroy(&render.drawing.anisotropy);
     scenery_destroy(render.drawing.scenery);
     diffuse_end(render.drawing.diffuse);
+    fluids_end(render.drawing.fluids);
     history_end(&render.history);
     plan_free(&render.plan);
     inputs_free(&render.inputs);
