@@ -44,6 +44,7 @@ static void open_rig(struct bench *b, struct rig *rig)
         rig->ends[i].all = mns_memory_get(&b->memory, TILE_SIZE * TILE_STRIDE, sizeof(float));
         rig->ends[i].front = mns_memory_get(&b->memory, TILE_SIZE * TILE_STRIDE, sizeof(float));
         rig->limits[i] = mns_memory_get(&b->memory, LIMIT_FLOATS, sizeof(float));
+        memset(rig->limits[i], 0, LIMIT_FLOATS * sizeof(float)); /* a kernel clears the rows that its texels take */
         memset(rig->ends[i].all, 0, TILE_SIZE * TILE_STRIDE * sizeof(float));
         memset(rig->ends[i].front, 0, TILE_SIZE * TILE_STRIDE * sizeof(float));
     }
