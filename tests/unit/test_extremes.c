@@ -162,6 +162,7 @@ static void draw_case(struct extreme *in, enum mns_isa isa)
 {
     struct mns_renderer_params params;
     mns_renderer_params_init(&params);
+    params.passes = 1; /* every layer is asked for */
     params.isa = isa;
     params.threads = 1;
     struct mns_output outputs[MNS_LAYER_COUNT];
@@ -244,6 +245,14 @@ static const char *fault_at(const struct extreme *in, size_t p)
     }
     if (!is_between(layers[MNS_LAYER_ALPHA][p], 0, 1)) {
         return "alpha";
+    }
+    if (!isfinite(layers[MNS_LAYER_NOISE][p])) {
+        return "noise";
+    }
+    for (int layer = MNS_LAYER_FOAM_THICKNESS; layer <= MNS_LAYER_THICKNESS_BACK; layer++) {
+        if (!is_between(layers[layer][p], 0, 3e38f)) {
+            return mns_layer_name((enum mns_layer)layer);
+        }
     }
     if (isnan(layers[MNS_LAYER_SCENE_DEPTH][p])) {
         return "scene_depth";
