@@ -77,10 +77,9 @@ static void take_in(struct noise_ranges *ranges, const struct noise_ranges *from
         return;
     }
     int begin = down < 0 ? -down : 0, end = down > 0 ? NOISE_BLOCKS - down : NOISE_BLOCKS;
-    const float *near = from->near[x + across] + down, *far = from->far[x + across] + down;
     for (int y = begin; y < end; y++) {
-        ranges->near[x][y] = nearer(ranges->near[x][y], near[y]);
-        ranges->far[x][y] = farther(ranges->far[x][y], far[y]);
+        ranges->near[x][y] = nearer(ranges->near[x][y], from->near[x + across][y + down]);
+        ranges->far[x][y] = farther(ranges->far[x][y], from->far[x + across][y + down]);
     }
 }
 

@@ -5,7 +5,7 @@
 
 enum { CHUNKS = 6, COUNT = CHUNKS * CHUNK_SIZE - 9, PADDED = CHUNKS * CHUNK_SIZE, ROW = TILE_SIZE + 32 };
 
-static float positions[3][PADDED], seeds[PADDED], amplitudes[PADDED], radii[PADDED], lattice[2][NOISE_LATTICE_FLOATS];
+static _Alignas(64) float positions[3][PADDED], seeds[PADDED], amplitudes[PADDED], radii[PADDED], lattice[2][NOISE_LATTICE_FLOATS];
 static float depth[TILE_SIZE][ROW], expected[TILE_SIZE * TILE_STRIDE], got[TILE_SIZE * TILE_STRIDE];
 
 static struct particle_store store = {

@@ -523,7 +523,7 @@ static void test_no_filter_spreads_what_is_no_depth(void **state)
                 continue;
             }
             struct fixture *fixture = fixture_create(70, 45, (enum mns_isa)isa, 1);
-            fixture->frame.params.filter = all_filters[i / 4];
+            fixture->frame.params.filter = (int)all_filters[i / 4];
             fill(fixture, scenes[i % 4]);
             const struct depth_plane *result = run(fixture);
             test_random = 7; /* as when they were filled */
@@ -553,7 +553,7 @@ static void test_no_sum_of_depths_overflows(void **state)
             }
             struct fixture *fixture = fixture_create(300, 8, (enum mns_isa)isa, 1);
             use_orthographic(fixture);
-            fixture->frame.params.filter = lines[i];
+            fixture->frame.params.filter = (int)lines[i];
             fixture->frame.params.sigma = 20;
             fill(fixture, huge);
             *pixel(&fixture->cpu.depth_raw, 150, 4) = 1;
